@@ -1,0 +1,339 @@
+"""What flows through graft: parts, objects made of parts, contacts and demonstrations.
+
+Numpy only. Everything is frozen; arrays are converted to contiguous float64 or int64 once, here, and made read-only.
+Lengths are in the object's own unit until they are multiplied by `PartObject.scale_to_metres`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from graft.errors import InputError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+JointType = Literal["fixed", "hinge", "slide", "ball", "free", "planar"]
+JOINT_TYPES: tuple[str, ...] = ("fixed", "hinge", "slide", "ball", "free", "planar")
+
+UNIT_TOLERANCE = 1e-6
+"""A direction shorter than this has no direction."""
+
+
+def _array(name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: type = np.float64) -> Any:
+    """Return `value` as a read-only contiguous array, or raise `InputError` naming it.
+
+    None in `shape` means any length.
+    """
+    try:
+        array = np.asarray(value)
+        if dtype is np.int64 and array.size and not np.issubdtype(array.dtype, np.integer):
+            raise InputError(f"{name}: expected integers, got {array.dtype}")
+        array = np.array(array, dtype=dtype, order="C", copy=True)
+    except (TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{name}: expected an array of numbers, got {type(value).__name__} ({error})") from None
+    if array.size == 0 and len(shape) == 2 and shape[1] is not None:
+        array = array.reshape(0, shape[1])
+    if array.ndim != len(shape) or any(w is not None and w != g for w, g in zip(shape, array.shape, strict=True)):
+        want = ", ".join("n" if s is None else str(s) for s in shape)
+        raise InputError(f"{name}: expected shape ({want}), got {array.shape}")
+    if dtype is np.float64 and not np.isfinite(array).all():
+        where = np.argwhere(~np.isfinite(array))[0]
+        raise InputError(f"{name}: expected finite numbers, got {array[tuple(where)]} at {where.tolist()}")
+    array.setflags(write=False)
+    return array
+
+
+def _unit(name: str, value: ArrayLike) -> Floats:
+    """Return `value` (3,) as a read-only unit vector."""
+    vector: Floats = _array(name, value, (3,))
+    length = float(np.linalg.norm(vector))
+    if length < UNIT_TOLERANCE:
+        raise InputError(f"{name}: expected a direction, got the zero vector")
+    unit: Floats = vector / length
+    unit.setflags(write=False)
+    return unit
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One part of an object: a piece of surface, or of a point cloud when it has no faces.
+
+    Attributes:
+        name: Unique within its object.
+        vertices: (v, 3) positions in the object frame, object units.
+        faces: (f, 3) vertex indices; (0, 3) for a point cloud.
+        normals: (v, 3) outward unit normals of a point cloud's points; None for meshes, whose faces tell.
+        label: What kind of part it is ("handle"); several parts may share one. Defaults to the name.
+        notes: What was dropped or repaired when the part was read.
+    """
+
+    name: str
+    vertices: Floats
+    faces: Ints = field(default_factory=lambda: np.empty((0, 3), np.int64))
+    normals: Floats | None = None
+    label: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            raise InputError("part name: expected a name, got an empty string")
+        where = f"part {self.name!r}"
+        object.__setattr__(self, "vertices", _array(f"{where} vertices", self.vertices, (None, 3)))
+        object.__setattr__(self, "faces", _array(f"{where} faces", self.faces, (None, 3), np.int64))
+        if len(self.vertices) == 0:
+            raise InputError(f"{where} vertices: expected at least one, got none")
+        if self.normals is not None:
+            object.__setattr__(
+                self, "normals", _array(f"{where} normals", self.normals, (len(self.vertices), 3))
+            )
+        if len(self.faces) and (self.faces.min() < 0 or self.faces.max() >= len(self.vertices)):
+            row = int(np.argwhere((self.faces < 0) | (self.faces >= len(self.vertices)))[0][0])
+            raise InputError(
+                f"{where} face {row}: vertex index out of range, {self.faces[row].tolist()} of "
+                f"{len(self.vertices)} vertices"
+            )
+        object.__setattr__(self, "label", self.label or self.name)
+        object.__setattr__(self, "notes", tuple(self.notes))
+
+    @property
+    def is_point_cloud(self) -> bool:
+        """True when the part has points but no faces."""
+        return len(self.faces) == 0
+
+    def transformed(self, transform: Floats) -> Part:
+        """Return the part moved by `transform` (4, 4), a similarity (rotation, uniform scale, translation)."""
+        linear = transform[:3, :3]
+        scale = float(np.cbrt(abs(np.linalg.det(linear))))
+        normals = None if self.normals is None else self.normals @ (linear / scale).T
+        return replace(self, vertices=self.vertices @ linear.T + transform[:3, 3], normals=normals)
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """An articulated or fixed connection between two parts, an edge of the part graph.
+
+    Attributes:
+        parent: Index of the parent part.
+        child: Index of the child part.
+        kind: One of `JOINT_TYPES`.
+        name: As in the file.
+        axis: (3,) unit axis in the object frame; None where the kind has none.
+        origin: (3,) a point on the axis, object frame, object units.
+        limits: (lower, upper) in radians (hinge) or object units (slide); None when unlimited.
+    """
+
+    parent: int
+    child: int
+    kind: JointType = "fixed"
+    name: str = ""
+    axis: Floats | None = None
+    origin: Floats | None = None
+    limits: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        where = f"joint {self.name!r}"
+        if self.kind not in JOINT_TYPES:
+            raise InputError(f"{where} kind: expected one of {', '.join(JOINT_TYPES)}, got {self.kind!r}")
+        if self.axis is not None:
+            object.__setattr__(self, "axis", _unit(f"{where} axis", self.axis))
+        if self.origin is not None:
+            object.__setattr__(self, "origin", _array(f"{where} origin", self.origin, (3,)))
+
+
+@dataclass(frozen=True, eq=False)
+class PartObject:
+    """An object as a list of parts in one frame.
+
+    Attributes:
+        name: For people; a file's stem by default.
+        parts: At least one, with unique names.
+        joints: Edges given by the file; empty where the format has none (adjacency then comes from geometry).
+        category: What the object is ("mug"); None when unknown.
+        up: (3,) unit vector against gravity in the object frame; None when it lies as it is.
+        scale_to_metres: Multiply object units by this to get metres; None when unknown.
+        graspable: Indices of the parts a person takes to use it; the mask of the ASR, NSS and DTM metrics.
+        notes: What was noticed when it was read (dropped faces, guessed units), one line each.
+        source: Where it came from, as given by the user; "" for objects made in memory.
+    """
+
+    name: str
+    parts: tuple[Part, ...]
+    joints: tuple[Joint, ...] = ()
+    category: str | None = None
+    up: Floats | None = None
+    scale_to_metres: float | None = None
+    graspable: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parts", tuple(self.parts))
+        object.__setattr__(self, "joints", tuple(self.joints))
+        object.__setattr__(self, "graspable", tuple(sorted({int(i) for i in self.graspable})))
+        object.__setattr__(self, "notes", tuple(self.notes))
+        where = f"object {self.name!r}"
+        if not self.parts:
+            raise InputError(f"{where}: expected at least one part, got none")
+        seen: set[str] = set()
+        for part in self.parts:
+            if part.name in seen:
+                raise InputError(f"{where}: duplicate part name {part.name!r}")
+            seen.add(part.name)
+        for index in self.graspable:
+            self._check_part(f"{where} graspable", index)
+        for joint in self.joints:
+            self._check_part(f"{where} joint {joint.name!r} parent", joint.parent)
+            self._check_part(f"{where} joint {joint.name!r} child", joint.child)
+        if self.up is not None:
+            object.__setattr__(self, "up", _unit(f"{where} up", self.up))
+        scale = self.scale_to_metres
+        if scale is not None and not (np.isfinite(scale) and scale > 0):
+            raise InputError(f"{where} scale_to_metres: expected a positive number, got {scale}")
+
+    def _check_part(self, where: str, index: int) -> None:
+        if not 0 <= index < len(self.parts):
+            raise InputError(f"{where}: part index {index} out of range, the object has {len(self.parts)} parts")
+
+    @property
+    def part_names(self) -> tuple[str, ...]:
+        """Names of the parts, in order."""
+        return tuple(part.name for part in self.parts)
+
+    def part_index(self, part: int | str) -> int:
+        """Return the index of `part`, given as an index, a name, or a label that only one part has.
+
+        Raises:
+            InputError: No such part, or several; the message lists the names.
+        """
+        if isinstance(part, int | np.integer):
+            self._check_part(f"object {self.name!r}", int(part))
+            return int(part)
+        found = [i for i, p in enumerate(self.parts) if p.name == part]
+        found = found or [i for i, p in enumerate(self.parts) if p.label == part]
+        if len(found) != 1:
+            what = "no part" if not found else f"{len(found)} parts"
+            names = ", ".join(self.part_names)
+            raise InputError(f"object {self.name!r}: {what} called {part!r}; the parts are {names}")
+        return found[0]
+
+    @property
+    def bounds(self) -> Floats:
+        """(2, 3) lowest and highest corner of the axis-aligned bounding box, object units."""
+        lows = np.array([p.vertices.min(axis=0) for p in self.parts])
+        highs = np.array([p.vertices.max(axis=0) for p in self.parts])
+        return np.stack([lows.min(axis=0), highs.max(axis=0)])
+
+    @property
+    def n_faces(self) -> int:
+        """Number of triangles over all parts."""
+        return sum(len(part.faces) for part in self.parts)
+
+    def transformed(self, transform: ArrayLike) -> PartObject:
+        """Return the object moved by `transform`.
+
+        Args:
+            transform: (4, 4) similarity: rotation, uniform positive scale, translation.
+
+        Raises:
+            InputError: The matrix is not a similarity, or mirrors.
+        """
+        matrix: Floats = _array("transform", transform, (4, 4))
+        linear = matrix[:3, :3]
+        gram = linear.T @ linear
+        scale = float(np.sqrt(np.trace(gram) / 3.0))
+        if scale < UNIT_TOLERANCE or np.linalg.det(linear) < 0 or not np.allclose(gram, scale**2 * np.eye(3)):
+            raise InputError("transform: expected a rotation, a positive uniform scale and a translation")
+
+        def joint(old: Joint) -> Joint:
+            axis = None if old.axis is None else linear @ old.axis
+            origin = None if old.origin is None else linear @ old.origin + matrix[:3, 3]
+            stretch = scale if old.kind == "slide" else 1.0
+            limits = None if old.limits is None else (old.limits[0] * stretch, old.limits[1] * stretch)
+            return replace(old, axis=axis, origin=origin, limits=limits)
+
+        return replace(
+            self,
+            parts=tuple(part.transformed(matrix) for part in self.parts),
+            joints=tuple(joint(j) for j in self.joints),
+            up=None if self.up is None else linear @ self.up,
+            scale_to_metres=None if self.scale_to_metres is None else self.scale_to_metres / scale,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A place on an object's surface where a gripper takes it.
+
+    Attributes:
+        point: (3,) on the surface, object frame, object units.
+        normal: (3,) outward unit normal there.
+        part: Index of the part it lies on.
+        approach: (3,) unit direction in which the gripper comes; None when not demonstrated.
+    """
+
+    point: Floats
+    normal: Floats
+    part: int
+    approach: Floats | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "point", _array("contact point", self.point, (3,)))
+        object.__setattr__(self, "normal", _unit("contact normal", self.normal))
+        if self.approach is not None:
+            object.__setattr__(self, "approach", _unit("contact approach", self.approach))
+
+    def transformed(self, transform: ArrayLike) -> Contact:
+        """Return the contact moved by `transform` (4, 4), a similarity."""
+        matrix: Floats = _array("transform", transform, (4, 4))
+        linear = matrix[:3, :3]
+        approach = None if self.approach is None else linear @ self.approach
+        return replace(
+            self, point=linear @ self.point + matrix[:3, 3], normal=linear @ self.normal, approach=approach
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Demonstration:
+    """An object together with the contact that was demonstrated on it.
+
+    Attributes:
+        object: The object.
+        contact: Where it was taken.
+        name: Unique in a library; the object's name by default.
+        metadata: Strings and numbers that travel with it (task, author, licence).
+    """
+
+    object: PartObject
+    contact: Contact
+    name: str = ""
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", self.name or self.object.name)
+        self.object.part_index(self.contact.part)
+
+
+def unique_names(names: Iterable[str]) -> tuple[str, ...]:
+    """Return `names` with repeats numbered from 2: handle, handle_2, handle_3."""
+    taken: set[str] = set()
+    result = []
+    for name in names:
+        candidate, count = name, 1
+        while candidate in taken:
+            count += 1
+            candidate = f"{name}_{count}"
+        taken.add(candidate)
+        result.append(candidate)
+    return tuple(result)
+
+
+def joint_pairs(joints: Sequence[Joint]) -> Ints:
+    """Return (j, 2) part indices of the joints, for the part graph's adjacency."""
+    return np.array([(j.parent, j.child) for j in joints], np.int64).reshape(-1, 2)

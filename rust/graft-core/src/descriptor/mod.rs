@@ -1,0 +1,1 @@
+//! Rotation-invariant geometric descriptors of parts.

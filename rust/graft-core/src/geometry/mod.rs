@@ -1,0 +1,1 @@
+//! Boxes, hulls, sampling, rays: everything about one mesh or point set.

@@ -1,0 +1,1 @@
+//! Relations between parts: edge lengths, adjacency, saliency, masses.

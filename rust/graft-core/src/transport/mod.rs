@@ -1,0 +1,1 @@
+//! Unbalanced fused Gromov-Wasserstein transport.
