@@ -25,6 +25,8 @@ pub enum Error {
     },
 }
 
+// By value so that a caller writes `Error::shape("mu", 3, mu.len())`.
+#[allow(clippy::needless_pass_by_value)]
 impl Error {
     /// A wrong shape or length.
     pub fn shape(name: &'static str, expected: impl ToString, got: impl ToString) -> Self {
