@@ -6,6 +6,7 @@ pub mod descriptor;
 pub mod error;
 pub mod geometry;
 pub mod graph;
+pub mod render;
 pub mod transport;
 
 pub use error::Error;

@@ -1,0 +1,1 @@
+//! Ray casting: pictures without OpenGL.
