@@ -1,0 +1,101 @@
+"""Flags that several verbs share, and how they print."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from graft.errors import InputError
+from graft.features import Descriptor, GeometricDescriptor
+from graft.io import load_object
+from graft.objects import PartObject
+from graft.transport import UFGW
+from graft.viz import Pairing, save_glb, save_scene, save_sheet
+
+
+@dataclass(frozen=True)
+class Loading:
+    """How object files are read."""
+
+    package: Annotated[tuple[str, ...], tyro.conf.UseAppendAction] = ()
+    """name=path of a ROS package that package:// refers to; may be repeated."""
+    missing: Literal["error", "skip"] = "error"
+    """What to do about mesh files that are missing: stop, or leave them out with one warning."""
+    parts: Literal["auto", "bodies", "geoms", "links", "visuals"] = "auto"
+    """MJCF: bodies or geoms as parts. URDF: links or visuals as parts."""
+    up: tuple[float, float, float] | None = None
+    """Direction against gravity in the object frame, where the file does not tell."""
+    scale_to_metres: float | None = None
+    """Metres per object unit, where the file does not tell (0.001 for millimetres)."""
+
+    def load(self, path: Path) -> PartObject:
+        """Read an object with these options."""
+        packages = {}
+        for entry in self.package:
+            name, equals, where = entry.partition("=")
+            if not (name and equals and where):
+                raise InputError(f"--package: expected name=path, got {entry!r}")
+            packages[name] = Path(where)
+        return load_object(
+            path,
+            parts=self.parts,
+            packages=packages,
+            missing=self.missing,
+            up=self.up,
+            scale_to_metres=self.scale_to_metres,
+        )
+
+
+LoadingFlags = Annotated[Loading, tyro.conf.OmitArgPrefixes]
+
+
+def print_json(document: dict[str, Any]) -> None:
+    """Print one JSON document on stdout; NaN and infinity, which JSON lacks, are errors."""
+    json.dump(document, sys.stdout, indent=1, allow_nan=False)
+    sys.stdout.write("\n")
+
+
+@dataclass(frozen=True)
+class Matching:
+    """Parameters of the matching that are worth changing by hand; the others are in `graft.UFGW`."""
+
+    alpha: float = UFGW.alpha
+    """Weight of the features; 1 - alpha is the structure's (the paper's alpha, POT's is the opposite)."""
+    eps: float = UFGW.eps
+    """Entropic regularisation."""
+    tau: float = UFGW.tau_source
+    """Price of mass that is not transported, on both sides."""
+    descriptor: Literal["geometric", "none"] = "geometric"
+    """What parts are compared by, beside their boxes."""
+
+    def solver(self) -> UFGW:
+        """Return the solver with these parameters."""
+        return UFGW(alpha=self.alpha, eps=self.eps, tau_source=self.tau, tau_target=self.tau)
+
+    def described(self) -> Descriptor | None:
+        """Return the descriptor chosen."""
+        return GeometricDescriptor() if self.descriptor == "geometric" else None
+
+
+MatchingFlags = Annotated[Matching, tyro.conf.OmitArgPrefixes]
+
+_WRITERS = {".png": save_sheet, ".html": save_scene, ".glb": save_glb}
+
+
+def check_outputs(paths: tuple[Path, ...], kinds: Iterable[str] = _WRITERS) -> None:
+    """Refuse a suffix that no writer knows, before anything is computed."""
+    for path in paths:
+        if path.suffix.lower() not in kinds:
+            raise InputError(f"--out: expected a file ending in {', '.join(kinds)}, got {str(path)!r}")
+
+
+def write_outputs(paths: tuple[Path, ...], pairings: Sequence[Pairing]) -> None:
+    """Write a picture, a page or a model of the pairings, by suffix."""
+    for path in paths:
+        _WRITERS[path.suffix.lower()](path, pairings)

@@ -1,0 +1,72 @@
+"""`graft transfer TARGET --library DIR`: a contact for an object nobody demonstrated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+from rich.console import Console
+from rich.table import Table
+
+from graft.cli import EXIT_OK
+from graft.cli.options import Loading, LoadingFlags, Matching, MatchingFlags, check_outputs, print_json, write_outputs
+from graft.contact import TransferredContact, transfer_contact
+from graft.documents import transfer_document
+from graft.library import Library
+from graft.viz import Pairing
+
+
+@dataclass(frozen=True)
+class TransferCommand:
+    """Transfer a contact from a library of demonstrations to an object."""
+
+    target: tyro.conf.Positional[Path]
+    """The object to be grasped."""
+    library: Path
+    """A folder of demonstrations (folders with a demonstration.json)."""
+    k: int = 5
+    """How many matches to transfer from, best first."""
+    json: bool = False
+    """Print one JSON document and nothing else."""
+    out: tuple[Path, ...] = ()
+    """Files to write; the suffix tells what: .png (picture), .html (page), .glb."""
+    loading: LoadingFlags = Loading()
+    matching: MatchingFlags = Matching()
+
+    def run(self) -> int:
+        """Retrieve, transfer, print, draw; returns the exit code."""
+        check_outputs(self.out)
+        library = Library.open(
+            self.library, solver=self.matching.solver(), descriptor=self.matching.described()
+        )
+        target = self.loading.load(self.target)
+        results = [transfer_contact(found) for found in library.retrieve(target, k=self.k)]
+        if self.json:
+            print_json({"target": target.name, "matches": [transfer_document(r) for r in results]})
+        else:
+            _print_contacts(target.name, results)
+        write_outputs(self.out, [Pairing.of(r) for r in results])
+        return EXIT_OK
+
+
+def _print_contacts(name: str, results: list[TransferredContact]) -> None:
+    """Print one row per match."""
+    table = Table(box=None, pad_edge=False, header_style="bold", title=f"contacts for {name}", title_justify="left")
+    for column in ("", "source", "part", "to part"):
+        table.add_column(column)
+    for column in ("cost", "confidence", "point", "normal"):
+        table.add_column(column, justify="right")
+    for result in results:
+        source, target = result.match.source.object, result.match.target.object
+        table.add_row(
+            str(result.match.rank + 1),
+            result.match.demonstration.name,
+            source.part_names[result.source_part],
+            target.part_names[result.target_part],
+            f"{result.match.cost:.4f}",
+            f"{result.confidence:.2f}",
+            " ".join(f"{x:.4g}" for x in result.contact.point),
+            " ".join(f"{x:.2f}" for x in result.contact.normal),
+        )
+    Console().print(table)
