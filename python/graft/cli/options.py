@@ -69,14 +69,14 @@ class Matching:
     """Weight of the features; 1 - alpha is the structure's (the paper's alpha, POT's is the opposite)."""
     eps: float = UFGW.eps
     """Entropic regularisation."""
-    tau: float = UFGW.tau_source
+    tau: float = UFGW.tau_s
     """Price of mass that is not transported, on both sides."""
     descriptor: Literal["geometric", "none"] = "geometric"
     """What parts are compared by, beside their boxes."""
 
     def solver(self) -> UFGW:
         """Return the solver with these parameters."""
-        return UFGW(alpha=self.alpha, eps=self.eps, tau_source=self.tau, tau_target=self.tau)
+        return UFGW(alpha=self.alpha, eps=self.eps, tau_s=self.tau, tau_t=self.tau)
 
     def described(self) -> Descriptor | None:
         """Return the descriptor chosen."""
