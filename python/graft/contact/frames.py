@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from graft.graph import PartGraph
 from graft.objects import Floats
@@ -44,6 +43,9 @@ TIE_TOLERANCE = 1e-9
 
 DIRECTION_FLOOR = 0.02
 """An offset shorter than this share of the object's diagonal points nowhere: such a neighbour is concentric."""
+
+ELSEWHERE = float(np.cos(np.deg2rad(45)))
+"""Frames that differ by a turn whose cosine is below this point elsewhere; they set the margin."""
 
 CLOUD_SIZE = 128
 """Surface samples of each part that the chamfer distance compares."""
@@ -184,51 +186,84 @@ def align_parts(
         plan: (n, m) transport plan; tells which neighbours correspond.
     """
     frame_s = _faced(source, source_part)
-    cloud_s = frame_s.to_canonical(source.points[source_part])
-    cloud_s = cloud_s[:: max(1, len(cloud_s) // CLOUD_SIZE)]
-    tree_s = cKDTree(cloud_s)
-
-    weights = plan.copy()
-    weights[source_part, :] = 0.0
-    weights[:, target_part] = 0.0
-    total = float(weights.sum())
-    seen_s = _unit_rows(_offsets(source, source_part)) @ frame_s.rotation
-    rest_s = _unit_rows(_companion(source, source_part)) @ frame_s.rotation
-    rest_t = _unit_rows(_companion(target, target_part))
-    seen_t = _unit_rows(_offsets(target, target_part))
-    ups = source.object.up is not None and target.object.up is not None
-
     bases = [box_frame(target, target_part)]
     if _round_axis(bases[0].half_extents) is not None:
         bases.insert(0, _faced(target, target_part))
+    cues = _SourceCues.of(source, source_part, target_part, frame_s, plan)
+    scores = np.concatenate([cues.scores(target, target_part, base) for base in bases])
+    rotations = np.concatenate([base.rotation @ CUBE_ROTATIONS for base in bases])
 
-    candidates: list[tuple[float, CanonicalFrame]] = []
-    for base in bases:
-        points = target.points[target_part]
-        points = points[:: max(1, len(points) // CLOUD_SIZE)]
-        for turn in CUBE_ROTATIONS:
-            frame = CanonicalFrame(base.rotation @ turn, base.center, np.abs(turn).T @ base.half_extents)
-            cloud_t = frame.to_canonical(points)
-            chamfer = (tree_s.query(cloud_t)[0].mean() + cKDTree(cloud_t).query(cloud_s)[0].mean()) / 2
-            score = SHAPE_WEIGHT * float(chamfer)
-            ratios = np.log(frame.half_extents / frame_s.half_extents)
-            score += EXTENT_WEIGHT * float(ratios.std())
-            # What lies where: matched neighbours, and the rest of the object as a whole, in equal parts.
-            apart = float(np.square(rest_s - rest_t @ frame.rotation).sum())
-            if total > 0:
-                turned = seen_t @ frame.rotation
-                pairwise = np.square(seen_s[:, None, :] - turned[None, :, :]).sum(axis=-1)
-                apart = (apart + float((weights * pairwise).sum()) / total) / 2
-            score += NEIGHBOUR_WEIGHT * apart / 4
-            if ups:
-                cosine = float((source.object.up @ frame_s.rotation) @ (target.object.up @ frame.rotation))
-                score += UP_WEIGHT * (1 - cosine) / 2
-            candidates.append((score, frame))
+    best = int(np.argmax(scores <= scores.min() + TIE_TOLERANCE))
+    base, turn = bases[best // len(CUBE_ROTATIONS)], CUBE_ROTATIONS[best % len(CUBE_ROTATIONS)]
+    frame = CanonicalFrame(rotations[best], base.center, base.half_extents @ np.abs(turn))
+    cosines = (np.einsum("kij,ij->k", rotations, frame.rotation) - 1.0) / 2.0
+    elsewhere = scores[cosines < ELSEWHERE]
+    margin = float(elsewhere.min() - scores[best]) if len(elsewhere) else float("inf")
+    return FramePair(frame_s, frame, float(scores[best]), margin)
 
-    best = 0
-    for index, (score, _) in enumerate(candidates):
-        if score < candidates[best][0] - TIE_TOLERANCE:
-            best = index
-    score, frame = candidates[best]
-    others = [s for s, f in candidates if np.trace(f.rotation.T @ frame.rotation) < 1.0 + np.sqrt(2.0)]
-    return FramePair(frame_s, frame, score, min(others, default=float("inf")) - score)
+
+@dataclass(frozen=True, eq=False)
+class _SourceCues:
+    """What the candidates are judged by: the source part's cloud, its neighbours and its up axis, in its frame."""
+
+    half_extents: Floats
+    cloud: Floats
+    seen: Floats
+    rest: Floats
+    up: Floats | None
+    weights: Floats
+
+    @classmethod
+    def of(
+        cls, graph: PartGraph, part: int, target_part: int, frame: CanonicalFrame, plan: Floats
+    ) -> _SourceCues:
+        weights = plan.copy()
+        weights[part, :] = 0.0
+        weights[:, target_part] = 0.0
+        return cls(
+            half_extents=frame.half_extents,
+            cloud=frame.to_canonical(_thinned(graph.points[part])),
+            seen=_unit_rows(_offsets(graph, part)) @ frame.rotation,
+            rest=_unit_rows(_companion(graph, part)) @ frame.rotation,
+            up=None if graph.object.up is None else graph.object.up @ frame.rotation,
+            weights=weights / max(float(weights.sum()), np.finfo(np.float64).tiny),
+        )
+
+    def scores(self, target: PartGraph, part: int, base: CanonicalFrame) -> Floats:
+        """Return (24,) the score of `base` turned by each of the cube's rotations, lower is better."""
+        cloud = base.to_canonical(_thinned(target.points[part])) @ CUBE_ROTATIONS
+        scores = SHAPE_WEIGHT * _chamfer(self.cloud, cloud)
+        half_extents = base.half_extents @ np.abs(CUBE_ROTATIONS)
+        scores += EXTENT_WEIGHT * np.log(half_extents / self.half_extents).std(axis=1)
+
+        # What lies where: matched neighbours, and the rest of the object as a whole, in equal parts.
+        rest = _unit_rows(_companion(target, part)) @ base.rotation @ CUBE_ROTATIONS
+        apart = np.square(self.rest - rest).sum(axis=1)
+        if self.weights.any():
+            seen = _unit_rows(_offsets(target, part)) @ base.rotation
+            squares = self.weights.sum(axis=1) @ np.square(self.seen).sum(axis=1)
+            squares += self.weights.sum(axis=0) @ np.square(seen).sum(axis=1)
+            agreement = np.einsum(
+                "ij,ia,jb,kba->k", self.weights, self.seen, seen, CUBE_ROTATIONS, optimize=True
+            )
+            apart = (apart + squares - 2.0 * agreement) / 2.0
+        scores += NEIGHBOUR_WEIGHT * apart / 4.0
+
+        if self.up is not None and target.object.up is not None:
+            up = target.object.up @ base.rotation @ CUBE_ROTATIONS
+            scores += UP_WEIGHT * (1.0 - up @ self.up) / 2.0
+        return scores
+
+
+def _thinned(points: Floats) -> Floats:
+    """Return every so many of the samples, at least `CLOUD_SIZE` where there are as many."""
+    return points[:: max(1, len(points) // CLOUD_SIZE)]
+
+
+def _chamfer(cloud: Floats, candidates: Floats) -> Floats:
+    """Return (k,) the mean nearest distances, both ways, between cloud (a, 3) and each of (k, b, 3)."""
+    squares = np.square(cloud).sum(axis=1)[:, None] + np.square(candidates).sum(axis=2)[:, None, :]
+    squares -= 2.0 * (cloud @ candidates.transpose(0, 2, 1))
+    distance = np.sqrt(np.maximum(squares, 0.0))
+    mean: Floats = (distance.min(axis=2).mean(axis=1) + distance.min(axis=1).mean(axis=1)) / 2.0
+    return mean

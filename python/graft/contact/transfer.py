@@ -11,24 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graft import _core
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import FramePair, align_parts
 from graft.library import Match
-from graft.objects import Contact, Floats, Ints, Part
-
-SURFACE_SAMPLES = 2048
-"""Points of the target part among which the contact is sought; 2048 on a handle are about 1 % of its length apart."""
+from graft.marking import closest_surface_point
+from graft.objects import Contact, Floats
 
 NORMAL_WEIGHT = 0.5
 """Weight of the squared difference of unit normals beside the squared difference of codes. Keeps a contact on the
 outer wall from landing on the inner one; small enough that a place decides before a direction does."""
 
-HEAT_WIDTH = 0.35
-"""Standard deviation, in canonical units (the part's box is 2 wide), of the dense map's heat about the contact."""
-
 COST_SCALE = 0.5
 """Ranking cost at which the confidence has fallen to 1/e of what the plan alone would give."""
+
+OPPOSITE = 1e-9
+"""Two unit vectors whose sum is shorter than this are opposite: the turn between them has no axis of its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,26 +56,6 @@ class TransferredContact:
     match: Match
 
 
-@dataclass(frozen=True, eq=False)
-class DenseMap:
-    """Correspondences of surface points, and how much of the contact each target point carries.
-
-    Attributes:
-        points: (q, 3) on the target's surface, its frame and units.
-        part: (q,) target part of each point.
-        source_points: (q, 3) corresponding points on the source's surface, its frame and units.
-        source_part: (q,) source part of each.
-        heat: (q,) in [0, 1]: nearness of the source point to the demonstrated contact in the canonical frame, times
-            the share of the demonstrated part that went to this part.
-    """
-
-    points: Floats
-    part: Ints
-    source_points: Floats
-    source_part: Ints
-    heat: Floats
-
-
 def matched_part(plan: Floats, source_part: int) -> tuple[int, float]:
     """Return the target part that receives most of a source part, and the share it receives.
 
@@ -104,17 +81,10 @@ def transfer_contact(match: Match) -> TransferredContact:
     contact = match.demonstration.contact
     target_part, share = matched_part(match.transport.plan, contact.part)
     frames = align_parts(match.source, contact.part, match.target, target_part, match.transport.plan)
-    part = match.target.object.parts[target_part]
 
     place = frames.source.to_canonical(contact.point)
     facing = frames.source.directions(contact.normal)
-    points, normals = _surface_candidates(
-        match.target.points[target_part],
-        match.target.normals[target_part],
-        part,
-        frames.target.to_object(place),
-        match.target.object.parts[target_part],
-    )
+    points, normals = _landing_places(match, target_part, frames.target.to_object(place))
     codes = fourier_encoding(frames.target.to_canonical(points))
     distance = np.square(codes - fourier_encoding(place)).sum(axis=1)
     distance += NORMAL_WEIGHT * np.square(frames.target.directions(normals) - facing).sum(axis=1)
@@ -122,7 +92,8 @@ def transfer_contact(match: Match) -> TransferredContact:
 
     rotation = frames.target.rotation @ frames.source.rotation.T
     transform = _contact_transform(match, rotation, points[best], normals[best])
-    approach = None if contact.approach is None else transform[:3, :3] @ contact.approach
+    turn = transform[:3, :3] / np.cbrt(np.linalg.det(transform[:3, :3]))
+    approach = None if contact.approach is None else turn @ contact.approach
     return TransferredContact(
         contact=Contact(points[best], normals[best], target_part, approach),
         source_part=contact.part,
@@ -133,3 +104,44 @@ def transfer_contact(match: Match) -> TransferredContact:
         frames=frames,
         match=match,
     )
+
+
+def _landing_places(match: Match, part: int, mapped: Floats) -> tuple[Floats, Floats]:
+    """Return points (q, 3) and normals (q, 3) of the target part's surface on which the contact may land.
+
+    The first is the surface point nearest to the mapped contact, so that a contact carried onto its own object
+    comes back exactly; the others are the part's samples.
+    """
+    graph = match.target
+    point, normal, _ = closest_surface_point(graph.object.parts[part], mapped)
+    return np.vstack([point, graph.points[part]]), np.vstack([normal, graph.normals[part]])
+
+
+def _contact_transform(match: Match, rotation: Floats, point: Floats, normal: Floats) -> Floats:
+    """Return T_target_source (4, 4) that takes the contact's point to `point` and its normal to `normal`.
+
+    `rotation` is turned by the smallest angle that makes the normals agree.
+    """
+    contact = match.demonstration.contact
+    source, target = match.source.object, match.target.object
+    units = 1.0
+    if source.scale_to_metres is not None and target.scale_to_metres is not None:
+        units = source.scale_to_metres / target.scale_to_metres
+    transform = np.eye(4)
+    transform[:3, :3] = units * (_shortest_turn(rotation @ contact.normal, normal) @ rotation)
+    transform[:3, 3] = point - transform[:3, :3] @ contact.point
+    return transform
+
+
+def _shortest_turn(start: Floats, end: Floats) -> Floats:
+    """Return the rotation (3, 3) by the smallest angle that takes unit vector `start` to unit vector `end`."""
+    middle = start + end
+    if np.linalg.norm(middle) < OPPOSITE:
+        # Half a turn about any axis across; the one nearest to the frame's least aligned axis is stated.
+        across = np.cross(start, np.eye(3)[np.argmin(np.abs(start))])
+        across /= np.linalg.norm(across)
+        return 2.0 * np.outer(across, across) - np.eye(3)
+    # Two reflections: across the plane between them, then across `end`'s own.
+    middle = middle / np.linalg.norm(middle)
+    turn: Floats = (2.0 * np.outer(end, end) - np.eye(3)) @ (2.0 * np.outer(middle, middle) - np.eye(3))
+    return turn

@@ -1,0 +1,18 @@
+"""Carry a demonstrated contact over to a target: part match, canonical frames, Fourier codes, landing."""
+
+from graft.contact.dense import DenseMap, dense_map
+from graft.contact.encoding import fourier_encoding
+from graft.contact.frames import CanonicalFrame, FramePair, align_parts
+from graft.contact.transfer import TransferredContact, matched_part, transfer_contact
+
+__all__ = [
+    "CanonicalFrame",
+    "DenseMap",
+    "FramePair",
+    "TransferredContact",
+    "align_parts",
+    "dense_map",
+    "fourier_encoding",
+    "matched_part",
+    "transfer_contact",
+]
