@@ -1,6 +1,8 @@
 //! The Python border of graft-core: declares, converts, calls. No computing here.
 
 mod convert;
+mod geometry;
+mod graph;
 
 /// The compiled core of graft.
 #[pyo3::pymodule]
@@ -9,4 +11,9 @@ mod _core {
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_export]
+    use crate::geometry::{convex_hull, oriented_box, part_geometry};
+    #[pymodule_export]
+    use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops};
 }
