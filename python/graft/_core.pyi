@@ -73,3 +73,15 @@ def part_adjacency(
 
 def part_hops(adjacency: NDArray[np.bool_], part: int) -> NDArray[np.int64]:
     """Return the (n,) numbers of steps from `part`, breadth first; n where there is no way."""
+def describe_parts(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    vertex_offsets: NDArray[np.int64],
+    face_offsets: NDArray[np.int64],
+    *,
+    families: list[str],
+    samples: int,
+    seed: int,
+    raw: bool = False,
+) -> NDArray[np.float64]: ...
+def descriptor_dim(families: list[str]) -> int: ...

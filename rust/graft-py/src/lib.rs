@@ -3,6 +3,7 @@
 mod convert;
 mod geometry;
 mod graph;
+mod descriptor;
 
 /// The compiled core of graft.
 #[pyo3::pymodule]
@@ -16,4 +17,6 @@ mod _core {
     use crate::geometry::{convex_hull, oriented_box, part_geometry};
     #[pymodule_export]
     use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops};
+    #[pymodule_export]
+    use super::descriptor::{describe_parts, descriptor_dim};
 }
