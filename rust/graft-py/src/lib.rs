@@ -4,6 +4,7 @@ mod convert;
 mod geometry;
 mod graph;
 mod descriptor;
+mod transport;
 
 /// The compiled core of graft.
 #[pyo3::pymodule]
@@ -19,4 +20,6 @@ mod _core {
     use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops};
     #[pymodule_export]
     use super::descriptor::{describe_parts, descriptor_dim};
+    #[pymodule_export]
+    use super::transport::{feature_costs, ufgw_batch};
 }
