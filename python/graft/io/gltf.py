@@ -26,6 +26,9 @@ POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 EXTRAS_KEY = "graft"
 """Under which graft's own words stand in a node's extras."""
 
+GRAFT_SCHEMA = 1
+"""Version of graft's words; a file with another is refused rather than misread."""
+
 MAX_DEPTH = 256
 """Nesting of nodes; exporters stay under twenty."""
 
