@@ -109,9 +109,10 @@ def middle_point(obj: PartObject, part: int | str) -> Floats:
     chosen = obj.parts[obj.part_index(part)]
     points, normals = _spread_samples(chosen)
     if len(points) < 3:
-        return points[0]
+        first: Floats = points[0].copy()
+        return first
     near = min(CENTER_NEIGHBOURS + 1, len(points))
-    lengths, neighbours = cKDTree(points).query(points, k=near)
+    lengths, neighbours = map(np.asarray, cKDTree(points).query(points, k=near))
     rows = np.repeat(np.arange(len(points)), near)
     # Coincident samples are joined by a tiny length: zero would mean no edge.
     floor = max(float(lengths.max()), 1e-300) * 1e-9
@@ -122,7 +123,8 @@ def middle_point(obj: PartObject, part: int | str) -> Floats:
     ring = members[mean <= CENTER_BAND * mean.min()]
     outwards = points[ring] - obj.bounds.mean(axis=0)
     facing = (normals[ring] * outwards).sum(axis=1) / np.maximum(np.linalg.norm(outwards, axis=1), floor)
-    return points[ring[int(np.argmax(np.round(facing, 9)))]].copy()
+    chosen_point: Floats = points[ring[int(np.argmax(np.round(facing, 9)))]].copy()
+    return chosen_point
 
 
 def _spread_samples(part: Part) -> tuple[Floats, Floats]:
@@ -182,11 +184,12 @@ def _closest_on_triangles(corners: Floats, query: Floats) -> Floats:
 def _face_normal(part: Part, face: int) -> Floats:
     """Return the outward unit normal (3,) of a face."""
     a, b, c = part.vertices[part.faces[face]]
-    normal: Floats = np.cross(b - a, c - a)
-    length = float(np.linalg.norm(normal))
+    cross = np.cross(b - a, c - a)
+    length = float(np.linalg.norm(cross))
     if length == 0:
         raise InputError(f"part {part.name!r} face {face}: it has no area and so no normal")
-    return normal / (-length if _inside_out(part) else length)
+    normal: Floats = cross / (-length if _inside_out(part) else length)
+    return normal
 
 
 def _inside_out(part: Part) -> bool:

@@ -85,7 +85,7 @@ def _one_mesh_per_part(folder: Path, paths: list[Path]) -> PartObject:
     words_file = folder / "object.json"
     words = read_object_words(words_file) if words_file.is_file() else ObjectWords()
     if words.part_names is not None:
-        if set(words.part_names) != set(stems):
+        if sorted(words.part_names) != sorted(stems):
             raise InputError(
                 f"part_names {', '.join(words.part_names)}; the meshes next to it are {', '.join(stems)}",
                 path=words_file,

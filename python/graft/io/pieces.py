@@ -6,9 +6,12 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graft.errors import InputError
 from graft.objects import Floats, Ints
+
+Mask = NDArray[np.bool_]
 
 FLAT_TRIANGLE = 1e-12
 """A triangle whose doubled area is below this share of its longest edge squared has no area in double precision."""
@@ -138,7 +141,7 @@ def cleaned(mesh: RawMesh) -> Piece:
     if len(vertices) == 0:
         raise InputError(f"{where}: no vertices")
     notes = []
-    finite = np.isfinite(vertices).all(axis=1)
+    finite: Mask = np.isfinite(vertices).all(axis=1)
     if not len(faces):
         if normals is not None:
             finite &= np.isfinite(normals).all(axis=1)
@@ -171,7 +174,7 @@ def cleaned(mesh: RawMesh) -> Piece:
     return Piece(mesh.name, vertices, faces, None, tuple(notes))
 
 
-def _has_area(vertices: Floats, faces: Ints) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _has_area(vertices: Floats, faces: Ints) -> Mask:
     corners = vertices[faces]
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     # Scaled by the longest edge first, so that neither tiny nor huge units underflow or overflow.
@@ -179,7 +182,7 @@ def _has_area(vertices: Floats, faces: Ints) -> np.ndarray[tuple[int], np.dtype[
     longest = np.abs(edges).max(axis=(0, 2))
     safe = np.where(longest > 0, longest, 1.0)[:, None]
     doubled = np.linalg.norm(np.cross(a / safe, b / safe), axis=1)
-    found: np.ndarray[tuple[int], np.dtype[np.bool_]] = (longest > 0) & (doubled > FLAT_TRIANGLE)
+    found: Mask = (longest > 0) & (doubled > FLAT_TRIANGLE)
     return found
 
 

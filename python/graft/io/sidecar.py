@@ -27,7 +27,7 @@ class ObjectWords:
     Attributes:
         name: Key "id".
         category: Key "category".
-        part_names: Key "part_names": name of part number i.
+        part_names: Key "part_names": name of part number i; two handles may share one.
         graspable: Key "graspable_parts": numbers of parts.
         up: Key "up_axis": direction against gravity.
         scale_to_metres: Key "scale_to_metres".
@@ -62,9 +62,6 @@ def read_object_words(path: Path) -> ObjectWords:
     if names is not None:
         if not isinstance(names, list) or not all(isinstance(n, str) and n for n in names):
             raise wrong("part_names", "a list of names")
-        repeated = next((n for n in names if names.count(n) > 1), None)
-        if repeated is not None:
-            raise InputError(f"part_names: duplicate part name {repeated!r}", path=path)
     graspable = words.get("graspable_parts") or []
     if not isinstance(graspable, list) or not all(_is_int(g) and g >= 0 for g in graspable):
         raise wrong("graspable_parts", "a list of part numbers")
