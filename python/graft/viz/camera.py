@@ -18,10 +18,13 @@ AZIMUTHS = tuple(range(0, 360, 15))
 ELEVATIONS = (20.0, 38.0, 4.0, 58.0, -22.0)
 """Candidate views of a contact, in degrees, those that people take of objects first."""
 
-FACING = 0.7
-"""Cosine between the normal and the direction to the viewer that shows a contact best: seen, and its arrow too."""
+FACING = 0.35
+"""Cosine between the normal and the direction to the viewer that shows a contact best: the arrow nearly in full."""
 
-VISIBLE_WEIGHT, FACING_WEIGHT, BROAD_WEIGHT, LEVEL_WEIGHT = 4.0, 1.0, 1.2, 0.6
+ENOUGH = 0.5
+"""Share of the contact's ball that is seen from the side; seeing more is no gain."""
+
+VISIBLE_WEIGHT, FACING_WEIGHT, BROAD_WEIGHT, LEVEL_WEIGHT = 4.0, 0.8, 2.5, 0.6
 """How much a view gains by seeing the ball, by facing it, by showing the object broadly, and by a usual height."""
 
 LEVEL = 24.0
@@ -88,7 +91,7 @@ def contact_view(obj: PartObject, contact: Contact) -> tuple[float, float, float
     covariance = rotations @ (points.T @ points / len(points)) @ rotations.transpose(0, 2, 1)
     breadth = np.sqrt(np.maximum(np.linalg.det(covariance[:, :2, :2]), 0.0))
 
-    score = VISIBLE_WEIGHT * visible
+    score = VISIBLE_WEIGHT * np.minimum(visible / ENOUGH, 1.0)
     score -= FACING_WEIGHT * np.abs(toward @ contact.normal - FACING)
     score += BROAD_WEIGHT * breadth / max(float(breadth.max()), 1e-12)
     score -= LEVEL_WEIGHT * np.array([abs(e - LEVEL) / 45.0 for _, e in views])

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from graft.errors import InputError
-from graft.viz.colors import BAD, GOOD, UNKNOWN, Colors, matched_colors, part_colors
+from graft.viz.colors import BAD, GOOD, UNKNOWN, Colors
 from graft.viz.files import check_output, write_whole
 from graft.viz.picture import draw_contact, encode_png, require_pillow
 from graft.viz.shapes import rgb
@@ -21,10 +20,12 @@ from graft.viz.tile import (
     drawing,
     legend_rows,
     paste,
+    text_width,
     write,
     write_arrow,
     write_legend,
 )
+from graft.viz.transfers import as_sequence, colors_of, in_mask
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -47,32 +48,11 @@ EDGE = 12
 FRAME = 4
 """Width of a tile's frame in pixels."""
 
+KEY = "amber: demonstrated part and what matches it   red: contact and normal   *: graspable"
+"""What the colours mean, below the tiles."""
+
 LEGEND_ROWS = 3
 """Rows of a legend that a tile has room for."""
-
-
-def as_sequence(transfers: TransferredContact | Sequence[TransferredContact]) -> list[TransferredContact]:
-    """Return one or several transfers as a list.
-
-    Raises:
-        InputError: There is none.
-    """
-    several = list(transfers) if isinstance(transfers, Sequence) else [transfers]
-    if not several:
-        raise InputError("transfers: expected at least one, got none")
-    return several
-
-
-def colors_of(transfer: TransferredContact) -> tuple[Colors, Colors]:
-    """Return the colours of the source's and of the target's parts."""
-    source = part_colors(len(transfer.match.source.object.parts), transfer.source_part)
-    return source, matched_colors(transfer.match.transport.plan, source)
-
-
-def in_mask(transfer: TransferredContact) -> bool | None:
-    """Return whether the contact lies on a graspable part of the target; None when nobody said which are."""
-    graspable = transfer.match.target.object.graspable
-    return transfer.target_part in graspable if graspable else None
 
 
 def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[TransferredContact]) -> None:
@@ -99,11 +79,13 @@ def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[Transf
     tiles = [_tile(transfer, size) for transfer in several]
     rows = -(-len(tiles) // columns)
     width, height = tiles[0].size
-    image = blank(columns * (width + EDGE) + EDGE, rows * (height + EDGE) + EDGE)
+    image = blank(columns * (width + EDGE) + EDGE, rows * (height + EDGE) + 2 * EDGE + SMALL)
     for place, tile in enumerate(tiles):
         image.paste(
             tile, (EDGE + place % columns * (width + EDGE), EDGE + place // columns * (height + EDGE))
         )
+    room = image.width - 2 * EDGE
+    write(image, EDGE, image.height - EDGE - SMALL, KEY, size=SMALL, width=room, color=FAINT)
     write_whole(path, encode_png(image))
 
 
@@ -122,7 +104,7 @@ def _tile(transfer: TransferredContact, size: int) -> Image.Image:
     parts = f"{source.part_names[transfer.source_part]} to {target.part_names[transfer.target_part]}"
     numbers = f"cost {match.cost:.3f}   confidence {transfer.confidence:.2f}   "
     write(image, EDGE, EDGE + TITLE + 5, f"{parts}   {numbers}", width=room - 120, color=FAINT)
-    write(image, width - EDGE - 118, EDGE + TITLE + 5, verdict, width=118, color=color)
+    write(image, width - EDGE - text_width(verdict, BODY), EDGE + TITLE + 5, verdict, width=120, color=color)
 
     sides = zip(
         (source, target), colors_of(transfer), (match.demonstration.contact, transfer.contact), strict=True
