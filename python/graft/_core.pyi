@@ -129,4 +129,22 @@ def feature_costs(
     lambda_obb: float,
     lambda_global: float,
     variant: str,
+def render_scene(
+    *,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    face_groups: NDArray[np.int64],
+    centers: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    center_groups: NDArray[np.int64],
+    colors: NDArray[np.uint8],
+    camera: NDArray[np.float64],
+    width: int,
+    height: int,
+) -> NDArray[np.uint8]: ...
+def cast_rays(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    origins: NDArray[np.float64],
+    directions: NDArray[np.float64],
 ) -> NDArray[np.float64]: ...

@@ -5,6 +5,7 @@ mod geometry;
 mod graph;
 mod descriptor;
 mod transport;
+mod render;
 
 /// The compiled core of graft.
 #[pyo3::pymodule]
@@ -22,4 +23,6 @@ mod _core {
     use super::descriptor::{describe_parts, descriptor_dim};
     #[pymodule_export]
     use super::transport::{feature_costs, ufgw_batch};
+    #[pymodule_export]
+    use super::render::{cast_rays, render_scene};
 }
