@@ -10,7 +10,7 @@ use super::Vec3;
 use super::affine::{any_normal, span};
 use super::hull::hull_in;
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
-use super::search::{Candidate, Coarse, Polyhedron, Workspace, extent};
+use super::search::{Candidate, Coarse, Polyhedron, Workspace};
 
 /// Volumes within this share of each other are equal; the earlier candidate wins.
 const VOLUME_TIE: f64 = 1e-12;
@@ -23,6 +23,13 @@ const LONG_EDGES: usize = 32;
 
 /// How many of the best candidates are turned further.
 const REFINED: usize = 6;
+
+/// A turn counts when it makes the box smaller by more than this share; less is rounding.
+const SMALLER: f64 = 1e-10;
+
+/// Directions whose extreme points make the two coarse polyhedra: the first bounds volumes to a few per cent and orders the
+/// candidates, the second to a few per mille and is only worth its time on hulls of thousands of corners.
+const COARSE_DIRECTIONS: [usize; 2] = [32, 384];
 
 /// First and last step of the free turning, radians.
 const STEPS: (f64, f64) = (0.2, 1e-8);
@@ -140,18 +147,20 @@ fn upper(n: &Vec3) -> Vec3 {
 }
 
 fn solid_axes(hull: Polyhedron) -> [Vec3; 3] {
-    let coarse = Coarse::new(&hull);
     let mut work = Workspace::default();
-    let mut queue: Vec<(f64, Vec3)> =
-        candidate_normals(&hull).into_iter().map(|n| (coarse.quick_bound(&n), n)).collect();
+    let coarse = COARSE_DIRECTIONS.map(|n| (Coarse::new(&hull, n), Workspace::default()));
+    let [(rough, _), (mut fine, mut fine_work)] = coarse;
+    let quick = |n: &Vec3| rough.as_ref().map_or(0.0, |c| c.quick_bound(n));
+    let mut queue: Vec<(f64, Vec3)> = candidate_normals(&hull).into_iter().map(|n| (quick(&n), n)).collect();
     queue.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let fine = fine.take().or(rough);
     let mut best: Vec<Candidate> = Vec::with_capacity(REFINED + 1);
     let mut smallest = f64::INFINITY;
     for (bound, normal) in queue {
         if bound >= smallest {
             break;
         }
-        if coarse.bound(&normal, &mut work) >= smallest {
+        if fine.as_ref().is_some_and(|c| c.bound(&normal, &mut fine_work) >= smallest) {
             continue;
         }
         let Some(candidate) = hull.best_about(&normal, &mut work) else { continue };
@@ -164,7 +173,7 @@ fn solid_axes(hull: Polyhedron) -> [Vec3; 3] {
     }
     let mut winner: Option<Candidate> = None;
     for candidate in best {
-        let turned = turn_freely(&hull, &coarse, turn_about_axes(&hull, candidate, &mut work), &mut work);
+        let turned = turn_freely(&hull, turn_about_axes(&hull, candidate, &mut work), &mut work);
         if winner.is_none_or(|w| turned.volume < w.volume * (1.0 - VOLUME_TIE)) {
             winner = Some(turned);
         }
@@ -178,7 +187,7 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
         let mut improved = current;
         for axis in current.axes {
             if let Some(found) = hull.best_about(&axis, work)
-                && found.volume < improved.volume * (1.0 - 1e-10)
+                && found.volume < improved.volume * (1.0 - SMALLER)
             {
                 improved = found;
             }
@@ -192,10 +201,9 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
 
 /// Turn a box by rotation vectors with components in {-1, 0, 1} steps; the best of them is taken, the step is halved
 /// when none is better. The set is the same for every choice of the axes' signs and order.
-fn turn_freely(hull: &Polyhedron, coarse: &Coarse, mut current: Candidate, work: &mut Workspace) -> Candidate {
+fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) -> Candidate {
     let mut step = STEPS.0;
     while step > STEPS.1 {
-        let near = reachable(hull, &current.axes, step);
         let mut improved = current;
         for code in 0..27 {
             if code == 13 {
@@ -205,11 +213,8 @@ fn turn_freely(hull: &Polyhedron, coarse: &Coarse, mut current: Candidate, work:
             let turn = current.axes[0] * x + current.axes[1] * y + current.axes[2] * z;
             let rotation = nalgebra::Rotation3::new(turn);
             let axes = current.axes.map(|a| rotation * a);
-            if step > 0.02 && coarse.box_bound(&axes) >= improved.volume {
-                continue;
-            }
-            let volume = axes.iter().zip(&near).map(|(a, points)| extent(points, a)).product::<f64>();
-            if volume < improved.volume * (1.0 - 1e-10) {
+            let volume = hull.box_volume(&axes, work);
+            if volume < improved.volume * (1.0 - SMALLER) {
                 improved = Candidate { volume, axes };
             }
         }
@@ -220,17 +225,4 @@ fn turn_freely(hull: &Polyhedron, coarse: &Coarse, mut current: Candidate, work:
         }
     }
     current
-}
-
-/// The corners that can come to touch each pair of box faces when the box turns by up to sqrt(3) `step` radians.
-fn reachable(hull: &Polyhedron, axes: &[Vec3; 3], step: f64) -> [Vec<Vec3>; 3] {
-    let size = extent(&hull.vertices, &axes[0]).hypot(extent(&hull.vertices, &axes[1])).hypot(extent(&hull.vertices, &axes[2]));
-    let slack = 2.0 * 3.0f64.sqrt() * step * size;
-    axes.map(|a| {
-        let heights: Vec<f64> = hull.vertices.iter().map(|p| p.dot(&a)).collect();
-        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let touches = |h: f64| h <= low + slack || h >= high - slack;
-        hull.vertices.iter().zip(&heights).filter(|(_, h)| touches(**h)).map(|(p, _)| *p).collect()
-    })
 }
