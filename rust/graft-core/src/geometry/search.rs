@@ -156,7 +156,10 @@ impl Polyhedron {
         }
         let found = minimal_rectangle(&work.polygon)?;
         let x = u * found.side.x + v * found.side.y;
-        Some(Candidate { volume: found.area * height, axes: [x, normal.cross(&x), *normal] })
+        let axes = [x, normal.cross(&x), *normal];
+        // Where rounding led the calipers astray, their rectangle is too small; what the box needs decides.
+        let volume = (found.area * height).max(self.box_volume(&axes, work));
+        Some(Candidate { volume, axes })
     }
 
     /// Project the closed loop between the faces that look along `normal` and those that do not.
