@@ -6,6 +6,8 @@
 //! the search. The best of them are then turned, first about one axis at a time by calipers, then freely in shrinking
 //! steps, which reaches the boxes that only touch edges.
 
+use std::collections::HashSet;
+
 use super::Vec3;
 use super::affine::{any_normal, span};
 use super::hull::hull_in;
@@ -22,17 +24,26 @@ const SAME_NORMAL: f64 = 1e-9;
 const LONG_EDGES: usize = 32;
 
 /// How many of the best candidates are turned further.
-const REFINED: usize = 6;
+const REFINED: usize = 3;
 
 /// A turn counts when it makes the box smaller by more than this share; less is rounding.
 const SMALLER: f64 = 1e-10;
 
-/// Directions whose extreme points make the two coarse polyhedra: the first bounds volumes to a few per cent and orders the
-/// candidates, the second to a few per mille and is only worth its time on hulls of thousands of corners.
-const COARSE_DIRECTIONS: [usize; 2] = [32, 384];
+/// Directions whose extreme points make the coarse polyhedron, which bounds volumes to a few per cent from below.
+const COARSE_DIRECTIONS: usize = 32;
+
+/// Up to this many candidates are all tried; of more, one in every cell first.
+const ALL_CANDIDATES: usize = 400;
+
+/// Size of a cell of directions, and radius of the neighbourhood in which all candidates are tried, radians. The free
+/// turning reaches twice as far.
+const CELL: f64 = 0.1;
 
 /// First and last step of the free turning, radians.
-const STEPS: (f64, f64) = (0.2, 1e-8);
+const STEPS: (f64, f64) = (0.2, 1e-6);
+
+/// What a step that finds nothing is shortened by.
+const SHRINK: f64 = 0.35;
 
 /// A box.
 #[derive(Debug, Clone, Copy)]
@@ -106,7 +117,7 @@ pub fn minimal_box(points: &[Vec3]) -> Boxed {
             let y = any_normal(&found.axes[0]);
             [found.axes[0], y, found.axes[0].cross(&y)]
         }
-        3 if !hull.faces.is_empty() => solid_axes(Polyhedron::new(hull)),
+        3 if !hull.faces.is_empty() => solid_axes(&Polyhedron::new(hull)),
         // A plane, or a solid so thin that quickhull gave up.
         _ => planar_axes(points, found.axes),
     };
@@ -146,34 +157,62 @@ fn upper(n: &Vec3) -> Vec3 {
     if (n.z, n.y, n.x) < (0.0, 0.0, 0.0) { -n } else { *n }
 }
 
-fn solid_axes(hull: Polyhedron) -> [Vec3; 3] {
+/// The best few boxes found so far, each once, in the order of their volumes.
+struct Best(Vec<Candidate>);
+
+impl Best {
+    fn smallest(&self) -> f64 {
+        self.0.first().map_or(f64::INFINITY, |c| c.volume)
+    }
+
+    fn insert(&mut self, candidate: Candidate) {
+        let place = self.0.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
+        // A box is found again by way of each of its axes; equal volumes are taken for equal boxes.
+        let known = place > 0 && self.0[place - 1].volume >= candidate.volume * (1.0 - VOLUME_TIE);
+        if place < REFINED && !known {
+            self.0.insert(place, candidate);
+            self.0.truncate(REFINED);
+        }
+    }
+}
+
+fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
     let mut work = Workspace::default();
-    let coarse = COARSE_DIRECTIONS.map(|n| (Coarse::new(&hull, n), Workspace::default()));
-    let [(rough, _), (mut fine, mut fine_work)] = coarse;
+    let mut rough_work = Workspace::default();
+    let rough = Coarse::new(hull, COARSE_DIRECTIONS);
     let quick = |n: &Vec3| rough.as_ref().map_or(0.0, |c| c.quick_bound(n));
-    let mut queue: Vec<(f64, Vec3)> = candidate_normals(&hull).into_iter().map(|n| (quick(&n), n)).collect();
+    let mut queue: Vec<(f64, Vec3)> = candidate_normals(hull).into_iter().map(|n| (quick(&n), n)).collect();
     queue.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let fine = fine.take().or(rough);
-    let mut best: Vec<Candidate> = Vec::with_capacity(REFINED + 1);
-    let mut smallest = f64::INFINITY;
-    for (bound, normal) in queue {
-        if bound >= smallest {
-            break;
+    let mut best = Best(Vec::with_capacity(REFINED + 1));
+    let mut evaluate = |(bound, normal): &(f64, Vec3), best: &mut Best| {
+        let smallest = best.smallest();
+        if *bound >= smallest || rough.as_ref().is_some_and(|c| c.bound(normal, &mut rough_work) >= smallest) {
+            return;
         }
-        if fine.as_ref().is_some_and(|c| c.bound(&normal, &mut fine_work) >= smallest) {
-            continue;
+        if let Some(candidate) = hull.best_about(normal, &mut work) {
+            best.insert(candidate);
         }
-        let Some(candidate) = hull.best_about(&normal, &mut work) else { continue };
-        smallest = smallest.min(candidate.volume);
-        let place = best.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
-        if place < REFINED {
-            best.insert(place, candidate);
-            best.truncate(REFINED);
+    };
+    // First one normal of every cell, then all those in the neighbourhood of the best boxes' axes.
+    let thin = queue.len() > ALL_CANDIDATES;
+    let mut taken = HashSet::new();
+    let mut rest = Vec::new();
+    for entry in queue {
+        if !thin || taken.insert(entry.1.map(|c| (c / CELL).round() as i32)) {
+            evaluate(&entry, &mut best);
+        } else {
+            rest.push(entry);
+        }
+    }
+    let axes: Vec<Vec3> = best.0.iter().flat_map(|c| c.axes).collect();
+    for entry in rest {
+        if axes.iter().any(|a| a.dot(&entry.1).abs() > 1.0 - CELL * CELL / 2.0) {
+            evaluate(&entry, &mut best);
         }
     }
     let mut winner: Option<Candidate> = None;
-    for candidate in best {
-        let turned = turn_freely(&hull, turn_about_axes(&hull, candidate, &mut work), &mut work);
+    for candidate in best.0 {
+        let turned = turn_freely(hull, turn_about_axes(hull, candidate, &mut work), &mut work);
         if winner.is_none_or(|w| turned.volume < w.volume * (1.0 - VOLUME_TIE)) {
             winner = Some(turned);
         }
@@ -199,17 +238,18 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
     }
 }
 
-/// Turn a box by rotation vectors with components in {-1, 0, 1} steps; the best of them is taken, the step is halved
-/// when none is better. The set is the same for every choice of the axes' signs and order.
+/// Turn a box by rotation vectors with components in {-1, 0, 1} steps, at most two of them turning; the best of them
+/// is taken, the step is shortened when none is better. The set is the same for every choice of the axes' signs and order.
 fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) -> Candidate {
     let mut step = STEPS.0;
     while step > STEPS.1 {
         let mut improved = current;
         for code in 0..27 {
-            if code == 13 {
+            let parts = [code % 3, code / 3 % 3, code / 9].map(|c| f64::from(c) - 1.0);
+            if !(1..=2).contains(&parts.iter().filter(|p| **p != 0.0).count()) {
                 continue;
             }
-            let [x, y, z] = [code % 3, code / 3 % 3, code / 9].map(|c| (f64::from(c) - 1.0) * step);
+            let [x, y, z] = parts.map(|p| p * step);
             let turn = current.axes[0] * x + current.axes[1] * y + current.axes[2] * z;
             let rotation = nalgebra::Rotation3::new(turn);
             let axes = current.axes.map(|a| rotation * a);
@@ -221,7 +261,7 @@ fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) 
         if improved.volume < current.volume {
             current = turn_about_axes(hull, improved, work);
         } else {
-            step /= 2.0;
+            step *= SHRINK;
         }
     }
     current
