@@ -3,7 +3,9 @@
 use graft_core::Error;
 use graft_core::geometry::{self, OrientedBox, PartShape, Vec3, points_of};
 use numpy::ndarray::{Array1, Array2, Array3};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -70,7 +72,9 @@ fn shapes(
     faces: &[i64],
     face_counts: &[i64],
 ) -> PyResult<Vec<PartShape>> {
-    let total = |counts: &[i64]| counts.iter().try_fold(0i64, |sum, &c| if c < 0 { None } else { sum.checked_add(c) });
+    let total = |counts: &[i64]| {
+        counts.iter().try_fold(0i64, |sum, &c| if c < 0 { None } else { sum.checked_add(c) })
+    };
     let agrees = |counts: &[i64], length: usize| total(counts) == i64::try_from(length).ok();
     if vertex_counts.contains(&0) || !agrees(vertex_counts, vertices.len()) {
         let expected = format!("positive counts adding up to {} vertices", vertices.len());

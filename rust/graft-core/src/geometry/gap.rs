@@ -48,14 +48,17 @@ fn edges() -> impl Iterator<Item = (usize, usize)> {
 fn separated(a: &OrientedBox, b: &OrientedBox) -> bool {
     let offset = b.center - a.center;
     let splits = |axis: Vec3| {
-        let reach = |x: &OrientedBox| -> f64 { (0..3).map(|i| x.half_extents[i] * x.axes[i].dot(&axis).abs()).sum() };
+        let reach =
+            |x: &OrientedBox| -> f64 { (0..3).map(|i| x.half_extents[i] * x.axes[i].dot(&axis).abs()).sum() };
         offset.dot(&axis).abs() > reach(a) + reach(b)
     };
     a.axes.iter().chain(&b.axes).any(|x| splits(*x))
-        || a.axes.iter().any(|x| b.axes.iter().any(|y| {
-            // Almost parallel axes give a direction of rounding errors; the face axes decide those.
-            x.cross(y).try_normalize(1e-8).is_some_and(splits)
-        }))
+        || a.axes.iter().any(|x| {
+            b.axes.iter().any(|y| {
+                // Almost parallel axes give a direction of rounding errors; the face axes decide those.
+                x.cross(y).try_normalize(1e-8).is_some_and(splits)
+            })
+        })
 }
 
 fn point_distance_squared(b: &OrientedBox, point: &Vec3) -> f64 {
@@ -69,7 +72,8 @@ fn segment_distance_squared([p, p_end]: [&Vec3; 2], [q, q_end]: [&Vec3; 2]) -> f
     let (dd, ee, de) = (d.norm_squared(), e.norm_squared(), d.dot(&e));
     let (dr, er) = (d.dot(&r), e.dot(&r));
     let denominator = dd * ee - de * de;
-    let mut s = if denominator > 1e-14 * dd * ee { ((de * er - dr * ee) / denominator).clamp(0.0, 1.0) } else { 0.0 };
+    let mut s =
+        if denominator > 1e-14 * dd * ee { ((de * er - dr * ee) / denominator).clamp(0.0, 1.0) } else { 0.0 };
     let mut t = if ee > 0.0 { (de * s + er) / ee } else { 0.0 };
     if !(0.0..=1.0).contains(&t) {
         t = t.clamp(0.0, 1.0);

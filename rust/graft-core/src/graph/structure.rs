@@ -55,10 +55,7 @@ fn separation(a: &OrientedBox, b: &OrientedBox, unit: f64) -> f64 {
 /// lengths in metres.
 #[must_use]
 pub fn all_pairs(boxes: &[OrientedBox], unit: f64) -> Vec<f64> {
-    table(boxes, |i, j| separation(&boxes[i], &boxes[j], unit))
-        .into_iter()
-        .map(|x| x / (1.0 + x))
-        .collect()
+    table(boxes, |i, j| separation(&boxes[i], &boxes[j], unit)).into_iter().map(|x| x / (1.0 + x)).collect()
 }
 
 /// Return the (n, n) row-major lengths l = x / (1 + x), x the shortest path along adjacent parts (Floyd and Warshall).
