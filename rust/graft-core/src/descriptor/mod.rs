@@ -6,6 +6,7 @@
 mod constants;
 mod curve;
 mod distributions;
+mod graph;
 mod harmonics;
 mod hull;
 mod moments;

@@ -27,7 +27,7 @@ pub fn hull(surface: &Surface) -> Vec<f64> {
     let box_volume: f64 = extents.iter().product();
     let size = deviations.iter().map(|s| s * s).sum::<f64>().sqrt();
     let depths = {
-        let mut depths: Vec<f64> = surface.samples.iter().map(|p| hull.depth(p)).collect();
+        let mut depths: Vec<f64> = surface.few.iter().map(|p| hull.depth(p)).collect();
         depths.sort_by(f64::total_cmp);
         depths
     };
