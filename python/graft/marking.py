@@ -12,14 +12,16 @@ from graft.errors import InputError
 from graft.objects import Contact, Demonstration, Floats, Ints, Part, PartObject
 
 CENTER_SAMPLES = 512
-"""Surface points among which the middle of a part is sought; on a handle they are about 4 % of its length apart."""
+"""Surface points among which the middle of a part is sought; on a handle they are about 4 % of its length
+apart."""
 
 CENTER_NEIGHBOURS = 8
 """Nearest samples that a sample is connected to when distances along the surface are measured."""
 
 CENTER_BAND = 1.1
-"""Samples whose mean distance along the surface is within this factor of the least are all in the middle; among them
-the side facing away from the object is taken. Ten per cent spans the girth of a bar, not its length."""
+"""Samples whose mean distance along the surface is within this factor of the least are all in the middle;
+among them the side facing away from the object is taken. Ten per cent spans the girth of a bar, not its
+length."""
 
 
 def closest_surface_point(part: Part, point: ArrayLike) -> tuple[Floats, Floats, float]:
@@ -32,9 +34,9 @@ def closest_surface_point(part: Part, point: ArrayLike) -> tuple[Floats, Floats,
         point: (3,) in the object frame, object units.
 
     Returns:
-        The point (3,), the outward unit normal (3,) there, and the distance. A face's side is told by its winding; a
-        closed surface that is wound inside out is noticed and turned. A cloud without normals gets the normal of
-        the plane through the neighbours, turned away from the cloud's middle.
+        The point (3,), the outward unit normal (3,) there, and the distance. A face's side is told by its
+        winding; a closed surface that is wound inside out is noticed and turned. A cloud without normals gets
+        the normal of the plane through the neighbours, turned away from the cloud's middle.
 
     Raises:
         InputError: The point is not three finite numbers.
@@ -68,8 +70,8 @@ def mark_contact(
     Args:
         obj: The object.
         part: The part that is taken: index, name, or a label that only one part has.
-        point: (3,) near the part, object frame and units; the contact is the closest point of the part's surface.
-            Without it the contact lies in the part's middle, see `middle_point`.
+        point: (3,) near the part, object frame and units; the contact is the closest point of the part's
+            surface. Without it the contact lies in the part's middle, see `middle_point`.
         approach: (3,) direction in which the gripper comes, object frame.
         name: Of the demonstration; the object's name by default.
         metadata: Travels with the demonstration.
@@ -97,10 +99,10 @@ def mark_contact(
 def middle_point(obj: PartObject, part: int | str) -> Floats:
     """Return a point (3,) on a part's surface in its middle: of a curved handle, the middle of the bar.
 
-    Middle means the least mean distance along the surface to the rest of it (the medoid of `CENTER_SAMPLES` evenly
-    spread points under shortest paths between neighbours; of several disconnected pieces, the largest). Among the
-    samples round about, the one is taken whose normal points furthest away from the middle of the object.
-    No randomness; ties go to the sample that comes first in the order of faces.
+    Middle means the least mean distance along the surface to the rest of it (the medoid of `CENTER_SAMPLES`
+    evenly spread points under shortest paths between neighbours; of several disconnected pieces, the
+    largest). Among the samples round about, the one is taken whose normal points furthest away from the
+    middle of the object. No randomness; ties go to the sample that comes first in the order of faces.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components, shortest_path
@@ -155,8 +157,8 @@ def _spread_samples(part: Part) -> tuple[Floats, Floats]:
 def _closest_on_triangles(corners: Floats, query: Floats) -> Floats:
     """Return (f, 3) the closest point of each triangle (f, 3, 3) to `query` (3,).
 
-    Ericson, Real-Time Collision Detection (2005), section 5.1.5, for all triangles at once: the projection where it
-    falls inside, else the best of the three clamped edges.
+    Ericson, Real-Time Collision Detection (2005), section 5.1.5, for all triangles at once: the projection
+    where it falls inside, else the best of the three clamped edges.
     """
     a, b, c = corners.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
@@ -215,4 +217,5 @@ def _cloud_normal(part: Part, index: int) -> Floats:
     normal: Floats = np.linalg.svd(patch, full_matrices=True)[2][-1]
     outwards = part.vertices[index] - part.vertices.mean(axis=0)
     side = float(normal @ outwards)
-    return -normal if side < 0 else normal.copy()
+    outward: Floats = -normal if side < 0 else normal.copy()
+    return outward

@@ -58,8 +58,8 @@ def load_mesh_file(path: Path, *, alone: bool | None = None) -> PartObject:
 
     Args:
         path: One of `KNOWN_SUFFIXES` but the robot descriptions.
-        alone: Whether it is the only mesh of its folder, so that `parts.*` and `object.json` are about it; found out
-            when None.
+        alone: Whether it is the only mesh of its folder, so that `parts.*` and `object.json` are about it;
+            found out when None.
     """
     if alone is None:
         others = [p for p in path.parent.iterdir() if p.suffix.lower() in MESH_SUFFIXES and p != path]
