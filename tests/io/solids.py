@@ -62,7 +62,7 @@ class Box:
 
     def obj(self, start=0):
         rows = [f"v {x} {y} {z}" for x, y, z in self.vertices]
-        return "\n".join(rows + [self.obj_faces(start)])
+        return "\n".join([*rows, self.obj_faces(start)])
 
     def obj_faces(self, start=0):
         return "\n".join("f " + " ".join(str(i + start + 1) for i in q) for q in self.quads) + "\n"

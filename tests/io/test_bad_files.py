@@ -41,7 +41,11 @@ def test_empty(tmp_path, suffix):
         ("a.stl", STL[:80] + b"\0" * 4, r"0 triangles"),
         ("a.stl", BOX.solid("cup")[:-20].encode(), r"solid 'cup' is truncated"),
         ("a.stl", b"solid cup\nendsolid cup\n" + b" " * 80, r"0 triangles"),
-        ("a.stl", BOX.solid("cup").replace("vertex 0.0 0.0", "vertex x 0.0", 1).encode(), r"not three numbers"),
+        (
+            "a.stl",
+            BOX.solid("cup").replace("vertex 0.0 0.0", "vertex x 0.0", 1).encode(),
+            r"not three numbers",
+        ),
         ("a.stl", BOX.solid("cup").replace("vertex", "vertx", 1).encode(), r"12 facets but 35 vertices"),
         ("a.ply", PLY[:20], r"no end_header"),
         ("a.ply", PLY[:-1], r"header says 12 of element 'face'; the file has 11"),
@@ -83,7 +87,7 @@ def test_one_line_names_file_and_culprit(tmp_path, name, content, match):
 
 def test_a_document_type_in_another_encoding():
     text = '<?xml version="1.0" encoding="utf-16"?><!DOCTYPE r><robot/>'
-    with pytest.raises(InputError, match="DOCTYPE"):
+    with pytest.raises(InputError, match=r"DOCTYPE"):
         parse_xml(text.encode("utf-16"), path="a.xml")
 
 
@@ -111,7 +115,9 @@ def test_names_that_are_not_the_meshes(tmp_path):
     (tmp_path / "handle.ply").write_bytes(PLY)
     (tmp_path / "body.stl").write_bytes(STL)
     (tmp_path / "object.json").write_text('{"part_names": ["body", "lid"]}')
-    with pytest.raises(InputError, match=r"object.json: part_names body, lid; the meshes next to it are body, handle"):
+    with pytest.raises(
+        InputError, match=r"object.json: part_names body, lid; the meshes next to it are body, handle"
+    ):
         load_object(tmp_path)
 
 
@@ -140,7 +146,8 @@ def test_nan_and_flat_faces_are_counted_dropped_and_said(tmp_path):
         "dropped 1 of 12 faces without area",
     )
     assert len(obj.parts[0].faces) == 12 - around - 1
-    assert len(warned) == 2 and all("cup.ply: part 'cup'" in str(w.message) for w in warned)
+    assert len(warned) == 2
+    assert all("cup.ply: part 'cup'" in str(w.message) for w in warned)
 
 
 def test_nothing_left(tmp_path):
@@ -217,11 +224,14 @@ def test_gltf_that_lies(tmp_path, changes, match):
     (tmp_path / "cup.gltf").write_text(gltf(**changes))
     with pytest.raises(InputError, match=match) as caught:
         load_object(tmp_path / "cup.gltf")
-    assert "cup" in str(caught.value) and "\n" not in str(caught.value)
+    assert "cup" in str(caught.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_an_index_out_of_range_in_gltf(tmp_path):
-    data = BOX.vertices.astype("<f4").tobytes() + np.where(BOX.faces == 7, 8, BOX.faces).astype("<u2").tobytes()
+    data = (
+        BOX.vertices.astype("<f4").tobytes() + np.where(BOX.faces == 7, 8, BOX.faces).astype("<u2").tobytes()
+    )
     uri = "data:;base64," + base64.b64encode(data).decode()
     (tmp_path / "cup.gltf").write_text(gltf(buffers__0__uri=uri))
     refused(tmp_path / "cup.gltf", r"'cup' face \d+: vertex index out of range")
@@ -261,10 +271,10 @@ def test_arrays_whose_header_lies(tmp_path):
     np.save(tmp_path / "cup.npy", np.zeros(12, np.int64))
     data = (tmp_path / "cup.npy").read_bytes()
     (tmp_path / "cup.npy").write_bytes(data.replace(b"(12,)", b"(10**9,)"[:5]))
-    with pytest.raises(InputError, match="cup.npy"):
+    with pytest.raises(InputError, match=r"cup.npy"):
         load_object(tmp_path / "cup.ply")
     (tmp_path / "cup.npy").write_bytes(data.replace(b"(12,), }  ", b"(12000000,"[:10]))
-    with pytest.raises(InputError, match="cup.npy"):
+    with pytest.raises(InputError, match=r"cup.npy"):
         load_object(tmp_path / "cup.ply")
     (tmp_path / "cup.npy").write_bytes(data.replace(b"(12,), }   ", b"(99999,), }"))
     with pytest.raises(InputError, match=r"shape \(99999,\) of int64 needs 799992 bytes, 96 are there"):
@@ -285,15 +295,15 @@ def test_zip_bombs(tmp_path):
     path.write_bytes(bytes(data))
     refused(path, r"'points.npy'")
     path.write_bytes(b"PK\3\4 no archive")
-    with pytest.raises(InputError, match="not a zip archive"):
+    with pytest.raises(InputError, match=r"not a zip archive"):
         open_zip(path)
 
 
 def test_size_limit_and_folders(tmp_path):
     (tmp_path / "a").write_bytes(b"12345")
-    with pytest.raises(InputError, match="has 5 bytes, more than the 4"):
+    with pytest.raises(InputError, match=r"has 5 bytes, more than the 4"):
         read_bytes(tmp_path / "a", limit=4)
-    with pytest.raises(InputError, match="got a folder"):
+    with pytest.raises(InputError, match=r"got a folder"):
         read_bytes(tmp_path)
 
 
@@ -303,5 +313,5 @@ def test_references(tmp_path):
     assert found == (tmp_path / "meshes" / "a.stl").resolve()
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     for reference in ("../../a", "", "a\0b", "http://x/a", "//server/a"):
-        with pytest.raises(InputError, match="a.urdf"):
+        with pytest.raises(InputError, match=r"a.urdf"):
             resolve_inside(reference, root=tmp_path, base=tmp_path / "urdf", path="a.urdf")

@@ -52,6 +52,9 @@ def test_damaged_files(tmp_path, name, data):
         try:
             obj = load_object(path)
         except InputError as error:
-            assert name in str(error) and "\n" not in str(error)
+            said = str(error)
         else:
+            said = name
             assert all(np.isfinite(part.vertices).all() for part in obj.parts)
+    assert name in said
+    assert "\n" not in said

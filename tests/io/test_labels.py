@@ -30,8 +30,11 @@ def folder(tmp_path, body):
 @pytest.mark.parametrize("whole", [True, False])
 def test_a_mesh_with_labels_and_words(folder, body, whole):
     obj = load_object(folder if whole else folder / "mesh.ply", scale_to_metres=1.0)
-    assert obj.name == "cup_7" and obj.category == "mug" and obj.graspable == (1,)
-    assert obj.part_names == ("body", "handle") and obj.up.tolist() == [0, 1, 0]
+    assert obj.name == "cup_7"
+    assert obj.category == "mug"
+    assert obj.graspable == (1,)
+    assert obj.part_names == ("body", "handle")
+    assert obj.up.tolist() == [0, 1, 0]
     for part, faces in zip(obj.parts, (body.faces[:8], body.faces[8:]), strict=True):
         # Vertices on the border belong to both parts.
         assert_allclose(part.vertices[part.faces], body.vertices[faces], atol=1e-7)
@@ -65,7 +68,8 @@ def test_labels_of_polygons_and_of_vertices(tmp_path, body):
     # A triangle takes the label of two of its corners: the faces round corners 4..7 (x = 1) are part 1.
     (tmp_path / "cup.seg").write_text("0\n" * 4 + "1\n" * 4)
     parts = load_object(tmp_path / "cup.off").parts
-    assert sum(len(p.faces) for p in parts) == 12 and len(parts[1].faces) == 6
+    assert sum(len(p.faces) for p in parts) == 12
+    assert len(parts[1].faces) == 6
 
 
 def test_repeated_names_are_numbered_and_keep_their_label(folder):
@@ -87,7 +91,8 @@ def test_a_name_that_no_face_has_is_left_out_and_said(folder):
     (folder / "parts.seg").write_text("1\n" * 8 + "2\n" * 4)
     with pytest.warns(InputWarning, match="'lid'"):
         obj = load_object(folder)
-    assert obj.part_names == ("body", "handle") and obj.graspable == (1,)
+    assert obj.part_names == ("body", "handle")
+    assert obj.graspable == (1,)
 
 
 @pytest.mark.parametrize(
@@ -205,4 +210,6 @@ def test_points_that_are_not_finite_are_counted_and_dropped(tmp_path):
     (tmp_path / "cup.txt").write_text("0 0 0 1\nnan 0 0 1\n0 0 1 1\n0 inf 0 1\n")
     with pytest.warns(InputWarning, match="dropped 2 of 4 points that are not finite"):
         obj = load_object(tmp_path / "cup.txt")
-    assert len(obj.parts[0].vertices) == 2 and obj.parts[0].notes and obj.notes
+    assert len(obj.parts[0].vertices) == 2
+    assert obj.parts[0].notes
+    assert obj.notes

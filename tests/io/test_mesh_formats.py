@@ -14,10 +14,12 @@ from graft.io.mesh_file import MESH_SUFFIXES, read_mesh
 def test_ply(tmp_path, body, kind):
     (tmp_path / "cup.ply").write_bytes(body.ply(kind))
     obj = load_object(tmp_path / "cup.ply")
-    assert obj.name == "cup" and obj.part_names == ("cup",)
+    assert obj.name == "cup"
+    assert obj.part_names == ("cup",)
     assert_allclose(obj.parts[0].vertices, body.vertices, atol=1e-7)
     assert_array_equal(obj.parts[0].faces, body.faces)
-    assert obj.up is None and obj.scale_to_metres is None
+    assert obj.up is None
+    assert obj.scale_to_metres is None
 
 
 @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian", "binary_big_endian"])
@@ -52,7 +54,8 @@ def test_ply_with_polygons_of_different_sizes(tmp_path):
 def test_stl_binary_is_welded(tmp_path, body):
     (tmp_path / "cup.stl").write_bytes(body.stl())
     [part] = load_object(tmp_path / "cup.stl").parts
-    assert part.vertices.shape == (8, 3) and part.faces.shape == (12, 3)
+    assert part.vertices.shape == (8, 3)
+    assert part.faces.shape == (12, 3)
     assert volume(part) == pytest.approx(0.08 * 0.08 * 0.1, rel=1e-5)
 
 
@@ -80,7 +83,7 @@ def test_obj_objects_and_groups_are_parts(tmp_path, body, handle, keyword):
 
 
 def test_obj_groups_interleaved_materials_and_indices(tmp_path, body, handle):
-    # All vertices first, a group that comes twice, texture and normal numbers, and numbers that count backwards.
+    # All vertices first, a group that comes twice, texture and normal numbers, numbers that count backwards.
     rows = [f"v {x} {y} {z}" for x, y, z in np.concatenate([body.vertices, handle.vertices])]
     rows += ["o cup", "g body", "usemtl a"]
     rows += ["f " + " ".join(f"{i + 1}/1/1" for i in q) for q in body.quads[:3]]
@@ -122,12 +125,14 @@ def written(scene, folder, suffix):
 @pytest.mark.parametrize("suffix", [".glb", ".gltf"])
 def test_gltf_nodes_are_parts_with_their_transforms(tmp_path, body, handle, suffix):
     obj = load_object(written(scene_of(body, handle), tmp_path, suffix))
-    assert len(obj.parts) == 3 and "body" in obj.part_names
+    assert len(obj.parts) == 3
+    assert "body" in obj.part_names
     ears = [p for p in obj.parts if p.name != "body"]
     assert sorted(round(float(p.vertices[:, 0].max()), 6) for p in ears) == [0.0, 0.11]
     assert all(volume(p) == pytest.approx(0.03 * 0.02 * 0.06, rel=1e-4) for p in ears)
     # By its specification: metres, +Y up.
-    assert obj.up.tolist() == [0, 1, 0] and obj.scale_to_metres == 1.0
+    assert obj.up.tolist() == [0, 1, 0]
+    assert obj.scale_to_metres == 1.0
 
 
 def test_gltf_as_trimesh_reads_it(tmp_path, body, handle):
@@ -149,7 +154,8 @@ def test_a_mirrored_node_keeps_its_outside_outside(tmp_path, body):
 def test_arguments_override_the_file(tmp_path, body, handle):
     path = written(scene_of(body, handle), tmp_path, ".glb")
     obj = load_object(path, up=(0, 0, 2), scale_to_metres=0.5)
-    assert obj.up.tolist() == [0, 0, 1] and obj.scale_to_metres == 0.5
+    assert obj.up.tolist() == [0, 0, 1]
+    assert obj.scale_to_metres == 0.5
 
 
 def test_a_folder_with_one_mesh_per_part(tmp_path, body, handle):
@@ -158,7 +164,8 @@ def test_a_folder_with_one_mesh_per_part(tmp_path, body, handle):
     (folder / "body.ply").write_bytes(body.ply())
     (folder / "handle.stl").write_bytes(handle.stl())
     obj = load_object(folder)
-    assert obj.name == "cup" and obj.part_names == ("body", "handle")
+    assert obj.name == "cup"
+    assert obj.part_names == ("body", "handle")
     words = {
         "part_names": ["handle", "body"],
         "graspable_parts": [0],
@@ -167,7 +174,9 @@ def test_a_folder_with_one_mesh_per_part(tmp_path, body, handle):
     }
     (folder / "object.json").write_text(json.dumps(words))
     obj = load_object(folder)
-    assert obj.part_names == ("handle", "body") and obj.graspable == (0,) and obj.category == "mug"
+    assert obj.part_names == ("handle", "body")
+    assert obj.graspable == (0,)
+    assert obj.category == "mug"
 
 
 def test_millimetres_are_noticed_and_nothing_is_rescaled(tmp_path, body):
@@ -175,7 +184,8 @@ def test_millimetres_are_noticed_and_nothing_is_rescaled(tmp_path, body):
     (tmp_path / "cup.stl").write_bytes(body.stl())
     with pytest.warns(InputWarning, match=r"cup.stl: 151 units across .*millimetres"):
         obj = load_object(tmp_path / "cup.stl")
-    assert len(obj.notes) == 1 and obj.scale_to_metres is None
+    assert len(obj.notes) == 1
+    assert obj.scale_to_metres is None
     with pytest.warns(InputWarning, match=r"151 m across .*scale_to_metres=0.001"):
         obj = load_object(tmp_path / "cup.stl", scale_to_metres=1.0)
     assert obj.bounds[1, 2] == pytest.approx(100)
@@ -186,4 +196,6 @@ def test_read_mesh_knows_its_suffixes(tmp_path, body):
     assert set(MESH_SUFFIXES) == {".glb", ".gltf", ".obj", ".off", ".ply", ".stl"}
     (tmp_path / "CUP.STL").write_bytes(body.stl())
     [piece] = read_mesh(tmp_path / "CUP.STL")
-    assert piece.name == "CUP" and piece.notes == () and piece.normals is None
+    assert piece.name == "CUP"
+    assert piece.notes == ()
+    assert piece.normals is None

@@ -184,7 +184,7 @@ def open_zip(path: str | Path) -> zipfile.ZipFile:
     path = existing_file(path)
     try:
         archive = zipfile.ZipFile(path)
-    except (zipfile.BadZipFile, OSError, *_MALFORMED) as error:
+    except (zipfile.BadZipFile, OSError, NotImplementedError, *_MALFORMED) as error:
         raise InputError(f"not a zip archive, or a truncated one: {error}", path=path) from None
     unpacked = sum(member.file_size for member in archive.infolist())
     limit = min(max(FREE_ZIP_BYTES, MAX_ZIP_RATIO * path.stat().st_size), MAX_FILE_BYTES)
