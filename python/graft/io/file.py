@@ -58,8 +58,8 @@ def load_mesh_file(path: Path, *, alone: bool | None = None) -> PartObject:
 
     Args:
         path: One of `KNOWN_SUFFIXES` but the robot descriptions.
-        alone: Whether it is the only mesh of its folder, so that `parts.*` and `object.json` are about it; found out
-            when None.
+        alone: Whether it is the only mesh of its folder, so that `parts.*` and `object.json` are about it;
+            found out when None.
     """
     if alone is None:
         others = [p for p in path.parent.iterdir() if p.suffix.lower() in MESH_SUFFIXES and p != path]
@@ -160,9 +160,9 @@ def _own(obj: PartObject, extras: dict[str, Any], parts: list[dict[str, Any]], p
     named = tuple(
         replace(
             part,
-            name=words.get("name", part.name),
-            label=words.get("label", part.label),
-            notes=(*words.get("notes", ()), *part.notes),
+            name=_text(words, "name") or part.name,
+            label=_text(words, "label") or part.label,
+            notes=(*_texts(words, "notes"), *part.notes),
         )
         for part, words in zip(obj.parts, parts, strict=True)
     )
@@ -179,16 +179,30 @@ def _own(obj: PartObject, extras: dict[str, Any], parts: list[dict[str, Any]], p
         for j in extras.get("joints", [])
     )
     return PartObject(
-        str(extras.get("name", obj.name)),
+        _text(extras, "name") or obj.name,
         named,
         joints,
-        extras.get("category"),
+        _text(extras, "category"),
         None if up is None else np.array(up, np.float64),
         extras.get("scale_to_metres"),
         tuple(extras.get("graspable", ())),
-        (*extras.get("notes", ()), *obj.notes),
+        (*_texts(extras, "notes"), *obj.notes),
         source=str(path),
     )
+
+
+def _text(words: dict[str, Any], key: str) -> str | None:
+    value = words.get(key)
+    if value is not None and not isinstance(value, str):
+        raise InputError(f"graft extras {key}: expected a string, got {value!r}")
+    return value
+
+
+def _texts(words: dict[str, Any], key: str) -> list[str]:
+    values = words.get(key, [])
+    if not isinstance(values, list) or not all(isinstance(v, str) for v in values):
+        raise InputError(f"graft extras {key}: expected a list of strings, got {values!r}")
+    return values
 
 
 def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:

@@ -50,8 +50,8 @@ def load_object(
 
     What is read, and what the parts are (docs/formats.md has more):
 
-    * GLB and glTF: every node with a mesh. By its specification glTF is in metres with +Y up, so `up` is (0, 1, 0)
-      and `scale_to_metres` 1 unless graft wrote the file, which then keeps the object's own frame.
+    * GLB and glTF: every node with a mesh. By its specification glTF is in metres with +Y up, so that `up` is
+      (0, 1, 0) and `scale_to_metres` 1, unless graft wrote the file, which then keeps the object's own frame.
     * OBJ: every object and group. STL: every solid. PLY, OFF: one part, or one per label.
     * A mesh with face labels next to it (`<stem>.seg`, `.npy`, `.npz`, or `parts.*`) and an `object.json`.
     * Point clouds `x y z [nx ny nz] label` as text, PLY with a label property, `.npz`.
@@ -110,7 +110,9 @@ def _with_size_note(obj: PartObject, path: Path) -> PartObject:
         hint = f"millimetres? then pass scale_to_metres={likely}" if likely else "check scale_to_metres"
         note = f"{diagonal * scale:.4g} m across at {scale:g} metres per unit: {hint}"
     elif scale is None and diagonal > MILLIMETRE_DIAGONAL:
-        note = f"{diagonal:.4g} units across and no unit in the file: millimetres? then pass scale_to_metres=0.001"
+        note = (
+            f"{diagonal:.4g} units across and no unit is given: millimetres? then pass scale_to_metres=0.001"
+        )
     else:
         return obj
     if note in obj.notes:
@@ -123,8 +125,8 @@ def as_object(value: ObjectLike) -> PartObject:
     """Return the object that `value` names.
 
     Args:
-        value: See `ObjectLike`. Paths are read with `load_object`. Every geometry of a `trimesh.Scene` is a part,
-            as often as the scene graph places it, in the scene's frame.
+        value: See `ObjectLike`. Paths are read with `load_object`. Every geometry of a `trimesh.Scene` is a
+            part, as often as the scene graph places it, in the scene's frame.
 
     Raises:
         InputError: It is something else, or cannot be used.

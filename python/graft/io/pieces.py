@@ -14,7 +14,8 @@ from graft.objects import Floats, Ints
 Mask = NDArray[np.bool_]
 
 FLAT_TRIANGLE = 1e-12
-"""A triangle whose doubled area is below this share of its longest edge squared has no area in double precision."""
+"""A triangle whose doubled area is below this share of its longest edge squared has no area in double
+precision."""
 
 
 class Piece(NamedTuple):
@@ -79,7 +80,8 @@ class RawMesh:
 def fan(polygons: list[list[int]]) -> tuple[Ints, Ints]:
     """Cut polygons into triangle fans about their first corner.
 
-    Polygons of fewer than three corners become a triangle without area, so that they are counted when it is dropped.
+    Polygons of fewer than three corners become a triangle without area, so that they are counted when it is
+    dropped.
 
     Returns:
         (f, 3) triangles and (f,) the polygon each came from, which never skips one.
@@ -141,7 +143,7 @@ def cleaned(mesh: RawMesh) -> Piece:
     if len(vertices) == 0:
         raise InputError(f"{where}: no vertices")
     notes = []
-    finite: Mask = np.isfinite(vertices).all(axis=1)
+    finite: Mask = np.asarray(np.isfinite(vertices).all(axis=1))
     if not len(faces):
         if normals is not None:
             finite &= np.isfinite(normals).all(axis=1)
@@ -187,6 +189,6 @@ def _has_area(vertices: Floats, faces: Ints) -> Mask:
 
 
 def _unit_normals(normals: Floats) -> Floats | None:
-    """Return normals of length one, or None when some have no direction: half a set of normals tells no side."""
+    """Return normals of length one, or None when some have no direction: half a set tells no side."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / length if (length > 0).all() else None

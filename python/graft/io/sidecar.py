@@ -59,9 +59,8 @@ def read_object_words(path: Path) -> ObjectWords:
         return value
 
     names = words.get("part_names")
-    if names is not None:
-        if not isinstance(names, list) or not all(isinstance(n, str) and n for n in names):
-            raise wrong("part_names", "a list of names")
+    if names is not None and not (isinstance(names, list) and all(isinstance(n, str) and n for n in names)):
+        raise wrong("part_names", "a list of names")
     graspable = words.get("graspable_parts") or []
     if not isinstance(graspable, list) or not all(_is_int(g) and g >= 0 for g in graspable):
         raise wrong("graspable_parts", "a list of part numbers")
@@ -97,7 +96,7 @@ def _is_number(value: Any) -> bool:
 
 
 def find_beside(mesh: Path, stems: tuple[str, ...], suffixes: tuple[str, ...]) -> Path | None:
-    """Return the first file next to `mesh` called a stem plus a suffix; links out of the folder are refused."""
+    """Return the first file next to `mesh` called a stem plus a suffix; a link out of there is refused."""
     for stem in stems:
         for suffix in suffixes:
             candidate = mesh.with_name(stem + suffix)
