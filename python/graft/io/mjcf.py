@@ -56,10 +56,10 @@ def load_mjcf(path: str | Path, *, parts: Literal["auto", "bodies", "geoms"] = "
     except ImportError:
         raise MissingExtraError(f"reading the MJCF file {path}", package="mujoco", extra="sim") from None
 
-    model = _compiled(mujoco, path)
+    notes: list[str] = []
+    model = _compiled(mujoco, path, notes)
     data = mujoco.MjData(model)  # its qpos is qpos0
     mujoco.mj_kinematics(model, data)
-    notes: list[str] = []
     bodies = [
         _body(mujoco, model, data, body, geoms)
         for body, geoms in enumerate(_kept_geoms(mujoco, model, notes))
@@ -81,8 +81,13 @@ def load_mjcf(path: str | Path, *, parts: Literal["auto", "bodies", "geoms"] = "
     )
 
 
-def _compiled(mujoco: Any, path: Path) -> Any:
-    """Return the compiled model, with all geoms and bodies, and without textures, which no part needs."""
+def _compiled(mujoco: Any, path: Path, notes: list[str]) -> Any:
+    """Return the compiled model, with all geoms and bodies, and without textures, which no part needs.
+
+    MuJoCo's warnings become `notes`; left alone it appends them to a file in the current folder.
+    """
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda warning: notes.append(f"MuJoCo warns: {' '.join(warning.split())}"))
     try:
         spec = mujoco.MjSpec.from_file(str(path))
         for material in spec.materials:
@@ -95,6 +100,8 @@ def _compiled(mujoco: Any, path: Path) -> Any:
         return spec.compile()
     except (ValueError, TypeError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         raise InputError(f"MuJoCo refuses it: {error}", path=path) from None
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 def _kept_geoms(mujoco: Any, model: Any, notes: list[str]) -> list[list[int]]:
@@ -174,7 +181,7 @@ def _piece(mujoco: Any, model: Any, data: Any, body_name: str, geom: int) -> Rig
 
 
 def _mesh(model: Any, mesh: int) -> primitives.Triangles:
-    """Return a mesh as MuJoCo keeps it: single precision, in its inertial frame, which the geom's pose undoes."""
+    """Return a mesh as MuJoCo keeps it: single precision, in its inertial frame."""
     vertex, face = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
     vertices = model.mesh_vert[vertex : vertex + int(model.mesh_vertnum[mesh])].astype(np.float64)
     faces = model.mesh_face[face : face + int(model.mesh_facenum[mesh])].astype(np.int64)

@@ -28,6 +28,9 @@ RESERVING = {"hfield": ("nrow", "ncol"), "numeric": ("size",)}
 FOLDER_OF = {"mesh": "meshdir", "hfield": "meshdir", "skin": "meshdir", "flexcomp": "meshdir"}
 """Which compiler attribute names the folder of an element's file."""
 
+NAMING = ("name", "class", "childclass")
+"""Attributes in which "nan" may be a word."""
+
 
 @dataclass(frozen=True)
 class _Model:
@@ -44,7 +47,7 @@ def check_model(path: Path) -> None:
 
     Raises:
         InputError: Not an MJCF file; a DOCTYPE; a file that is missing, too large or outside the asset root;
-            an include loop; counts beyond bounds. The message has file and line.
+            an include loop; counts beyond bounds; NaN. The message has file and line.
     """
     _check(path, asset_root(path), chain=())
 
@@ -61,6 +64,7 @@ def _check(path: Path, root: Path, chain: tuple[Path, ...]) -> None:
                 model.folders["strippath"] = element.get("strippath")
     for file, element in elements:
         _check_counts(file, element)
+        _check_numbers(file, element)
         _check_reference(model, file, element, (*chain, path.resolve()))
 
 
@@ -143,6 +147,21 @@ def _check_counts(file: Path, element: Any) -> None:
         raise at_line(
             file, element, f"<{element.tag}> reserves {reserved} elements, more than the {MAX_COUNT} allowed"
         )
+
+
+def _check_numbers(file: Path, element: Any) -> None:
+    """Refuse NaN, which MuJoCo lets pass, and reversed ranges of joints, which it takes for no range."""
+    for name, text in element.attrib.items():
+        if name not in NAMING and "nan" in text.lower().split():
+            raise at_line(file, element, f"<{element.tag}> {name}: expected finite numbers, got {text[:80]!r}")
+    if element.tag == "joint" and element.get("range") is not None:
+        try:
+            lower, upper = (float(word) for word in element.get("range").split())
+        except ValueError:
+            return  # for MuJoCo to refuse
+        if lower > upper:
+            where = f"joint {element.get('name', '')!r} range"
+            raise at_line(file, element, f"{where}: expected lower <= upper, got {lower:g} > {upper:g}")
 
 
 def _product(text: str) -> int:

@@ -1,8 +1,8 @@
 """PartNet-Mobility folders: mobility.urdf, semantics.txt, textured_objs/*.obj, result.json, meta.json.
 
 The data set: https://sapien.ucsd.edu/browse. Within a link, every visual belongs to an instance of a
-semantic part, which its name tells ("handle-4", one name for all the meshes of that handle). A part of ours is one such
-instance on one link, so a door's handle and frame are two.
+semantic part, which its name tells ("handle-4", one name for all the meshes of that handle). A part of ours
+is one such instance on one link, so a door's handle and frame are two.
 """
 
 from __future__ import annotations
