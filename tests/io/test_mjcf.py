@@ -141,6 +141,35 @@ def test_several_joints_and_bodies_without_geometry_pass_on(tmp_path):
     assert [(j.parent, j.child, j.name) for j in obj.joints] == [(0, 1, "x"), (0, 1, "y"), (0, 1, "z")]
 
 
+def test_a_body_without_geometry_is_stood_for_by_what_is_fixed_to_it(tmp_path):
+    path = write(
+        tmp_path,
+        """<mujoco><worldbody><body name="a"><geom size="1"/><body name="wrist"><joint name="turn"/>
+        <body name="finger" pos="1 0 0"><joint name="bend"/><geom size="1"/></body>
+        <body name="palm"><geom size="1"/></body><body name="pad"><geom size="1"/></body>
+        </body></body></worldbody></mujoco>""",
+    )
+    obj = load_mjcf(path)
+    names = obj.part_names
+    assert [(names[j.parent], names[j.child], j.name, j.kind) for j in obj.joints] == [
+        ("palm", "finger", "bend", "hinge"),
+        ("a", "palm", "turn", "hinge"),
+        ("palm", "pad", "", "fixed"),
+    ]
+
+
+def test_a_package_allows_its_folder(tmp_path):
+    box_file(tmp_path / "shared/box.stl")
+    asset = "<compiler meshdir='../shared'/><asset><mesh name='b' file='box.stl'/></asset>"
+    path = write(tmp_path, body("<geom type='mesh' mesh='b'/>", asset), "own/model.xml")
+    assert load_mjcf(path, packages={"shared": tmp_path / "shared"}).part_names == ("b",)
+
+
+def test_warnings_of_mujoco_are_notes(tmp_path):
+    path = write(tmp_path, body("<geom size='1'/>", "<compiler settotalmass='1'/>"))
+    assert any(note.startswith("MuJoCo warns: ") and "settotalmass" in note for note in load_mjcf(path).notes)
+
+
 def test_one_body_gives_its_geoms_and_names_repeat_safely(tmp_path):
     obj = load_mjcf(write(tmp_path, body("<geom size='1'/><geom size='2'/><geom name='lid' size='3'/>")))
     assert obj.part_names == ("thing_sphere", "thing_sphere_2", "lid")

@@ -22,6 +22,7 @@ def mesh(file, compiler=""):
 BAD = {
     "truncated": ("<mujoco><worldbody>", "line 1: not well-formed XML"),
     "empty": ("", "is empty"),
+    "fragment": (f"<mujocoinclude>{GEOM}</mujocoinclude>", "line 1: is a fragment"),
     "urdf": ("<robot name='r'/>", "line 1: root element: expected <mujoco>, got <robot>"),
     "doctype": ("<!DOCTYPE m [<!ENTITY a 'b'>]>" + world(GEOM), "line 1: a DOCTYPE is refused"),
     "nothing in it": ("<mujoco/>", "expected some geometry, found none"),
@@ -43,17 +44,17 @@ BAD = {
         "MuJoCo refuses it: .*a",
     ),
     "missing mesh": (mesh("absent.stl"), "line 2: <mesh> 'absent.stl': no such file"),
-    "mesh outside": (mesh("../out.stl"), r"line 2: <mesh> '\.\./out\.stl': .*leaves the folder"),
-    "mesh outside, windows": (mesh("..\\out.stl"), "leaves the folder"),
-    "meshdir outside": (mesh("out.stl", "<compiler meshdir='..'/>"), "leaves the folder"),
-    "assetdir outside": (mesh("out.stl", "<compiler assetdir='../'/>"), "leaves the folder"),
-    "absolute mesh": (mesh("/etc/passwd"), "leaves the folder"),
-    "linked mesh": (mesh("link.stl"), "leaves the folder"),
+    "mesh outside": (mesh("../out.stl"), r"line 2: <mesh> '\.\./out\.stl' .*leaves the asset root"),
+    "mesh outside, windows": (mesh("..\\out.stl"), "leaves the asset root"),
+    "meshdir outside": (mesh("out.stl", "<compiler meshdir='..'/>"), "leaves the asset root"),
+    "assetdir outside": (mesh("out.stl", "<compiler assetdir='../'/>"), "leaves the asset root"),
+    "absolute mesh": (mesh("/etc/passwd"), "leaves the asset root"),
+    "linked mesh": (mesh("link.stl"), "leaves the asset root"),
     "empty mesh": (mesh("empty.stl"), "is empty"),
     "lying mesh": (mesh("lying.stl"), "MuJoCo refuses it"),
     "include outside": (
         world("<include file='../out.xml'/>"),
-        "line 2: <include> '../out.xml': .*leaves the folder",
+        "line 2: <include> '../out.xml' .*leaves the asset root",
     ),
     "include missing": (
         world("<include file='absent.xml'/>"),
@@ -75,7 +76,7 @@ BAD = {
     ),
     "attach outside": (
         world(GEOM, "<asset><model name='m' file='../out.xml'/></asset>"),
-        "leaves the folder",
+        "leaves the asset root",
     ),
     "replicate": (
         world(f"<replicate count='1000'><replicate count='1000'>{GEOM}</replicate></replicate>"),

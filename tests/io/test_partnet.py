@@ -7,7 +7,7 @@ import trimesh
 from graft.errors import InputError, InputWarning
 from graft.io.partnet import is_partnet, load_partnet
 
-# A cabinet as PartNet-Mobility writes one: a base whose joint stands its meshes up, visuals named by instance.
+# A cabinet as PartNet-Mobility writes one: the base's joint stands meshes up, visuals bear instances' names.
 VISUAL = (
     "<visual name='{0}'><origin xyz='0 0 0'/>"
     "<geometry><mesh filename='textured_objs/{1}.obj'/></geometry></visual>"

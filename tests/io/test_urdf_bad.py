@@ -139,6 +139,22 @@ def test_an_unused_xacro_namespace_is_no_xacro(tmp_path):
     assert load_urdf(path).part_names == ("a_sphere",)
 
 
+def test_undeclared_prefixes_are_let_pass_but_nothing_else_is(tmp_path):
+    path = tmp_path / "r.urdf"
+    text = f"<robot name='r'><drake:joint drake:a='1'/>{links('a')}</robot>"
+    path.write_text(text)
+    assert load_urdf(path).part_names == ("a_sphere",)
+    path.write_text(text[:-5])
+    with pytest.raises(InputError, match="not well-formed XML"):
+        load_urdf(path)
+    path.write_text("<!DOCTYPE robot>" + text)
+    with pytest.raises(InputError, match="DOCTYPE"):
+        load_urdf(path)
+    path.write_text("<robot name='r'><xacro:macro name='m'/></robot>")
+    with pytest.raises(InputError, match="run xacro first"):
+        load_urdf(path)
+
+
 def test_a_bad_mesh_is_named(tmp_path):
     path = tmp_path / "r.urdf"
     mesh = shape("<mesh filename='m.obj'/>")

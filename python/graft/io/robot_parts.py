@@ -74,8 +74,9 @@ def parts_and_joints(
 ) -> tuple[tuple[Part, ...], tuple[Joint, ...]]:
     """Make parts and joints of `bodies`.
 
-    Bodies without geometry disappear; their joints pass on to the next descendant that has some. Joints link
-    the parts of two bodies that lie closest to each other (the first such pair in the order of the file).
+    Bodies without geometry disappear: the first body fixed to one stands for it, and where there is none its
+    joints pass on to its descendants. Joints link the parts of two bodies whose surfaces come closest (of
+    equals the first in the order of the file).
 
     Args:
         bodies: Parents before children.
@@ -103,13 +104,16 @@ def parts_and_joints(
         for name, piece in zip(names, pieces, strict=True)
     )
     joints: list[Joint] = []
+    stands = _stand_ins(bodies)
     for index in carrying:
-        ancestor, freedoms, fixed_name = _to_ancestor(bodies, index)
+        ancestor, freedoms = _to_ancestor(bodies, stands, index)
         if ancestor is None:
             continue
         parent, child = _closest(parts, owned[ancestor], owned[index])
         if not freedoms:
-            joints.append(Joint(parent, child, "fixed", fixed_name, origin=bodies[index].origin))
+            joints.append(
+                Joint(parent, child, "fixed", bodies[index].fixed_name, origin=bodies[index].origin)
+            )
         joints.extend(
             Joint(parent, child, f.kind, f.name, axis=f.axis, origin=f.origin, limits=f.limits)
             for f in freedoms
@@ -129,14 +133,28 @@ def merged_piece(name: str, pieces: Sequence[RigidPiece]) -> RigidPiece:
     )
 
 
-def _to_ancestor(bodies: Sequence[Body], index: int) -> tuple[int | None, list[Freedom], str]:
-    """Return the nearest ancestor with geometry, the joints down from it, the name if all are fixed."""
+def _stand_ins(bodies: Sequence[Body]) -> list[int | None]:
+    """Return for every body itself, or the first body with geometry that is fixed below it, or None."""
+    stands: list[int | None] = [index if body.pieces else None for index, body in enumerate(bodies)]
+    for index in range(
+        len(bodies) - 1, 0, -1
+    ):  # children before parents; the first child is the last to write
+        parent = bodies[index].parent
+        if parent is not None and not bodies[parent].pieces and not bodies[index].freedoms:
+            stands[parent] = stands[index] if stands[index] is not None else stands[parent]
+    return stands
+
+
+def _to_ancestor(
+    bodies: Sequence[Body], stands: Sequence[int | None], index: int
+) -> tuple[int | None, list[Freedom]]:
+    """Return the nearest ancestor with geometry (or its stand-in) and the joints from there to `index`."""
     freedoms = list(bodies[index].freedoms)
     ancestor = bodies[index].parent
-    while ancestor is not None and not bodies[ancestor].pieces:
+    while ancestor is not None and stands[ancestor] in (None, index):
         freedoms[:0] = bodies[ancestor].freedoms
         ancestor = bodies[ancestor].parent
-    return ancestor, freedoms, bodies[index].fixed_name
+    return (None if ancestor is None else stands[ancestor]), freedoms
 
 
 def _closest(parts: Sequence[Part], first: Sequence[int], second: Sequence[int]) -> tuple[int, int]:
