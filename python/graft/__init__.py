@@ -15,6 +15,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from graft.errors import GraftError, InputError, InputWarning, MissingExtraError
+    from graft.io import (
+        as_object,
+        load_demonstration,
+        load_demonstrations,
+        load_object,
+        save_demonstration,
+        save_object,
+    )
+    from graft.marking import mark_contact
     from graft.objects import Contact, Demonstration, Joint, Part, PartObject
 
 _HOMES = {
@@ -27,6 +36,13 @@ _HOMES = {
     "MissingExtraError": "graft.errors",
     "Part": "graft.objects",
     "PartObject": "graft.objects",
+    "as_object": "graft.io",
+    "load_demonstration": "graft.io",
+    "load_demonstrations": "graft.io",
+    "load_object": "graft.io",
+    "mark_contact": "graft.marking",
+    "save_demonstration": "graft.io",
+    "save_object": "graft.io",
 }
 
 __version__ = "0.1.0"
@@ -40,6 +56,13 @@ __all__ = [
     "MissingExtraError",
     "Part",
     "PartObject",
+    "as_object",
+    "load_demonstration",
+    "load_demonstrations",
+    "load_object",
+    "mark_contact",
+    "save_demonstration",
+    "save_object",
 ]
 
 

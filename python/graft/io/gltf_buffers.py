@@ -97,7 +97,8 @@ class GltfFile:
         start, length = view.get("byteOffset", 0), view["byteLength"]
         if start < 0 or length < 0 or start + length > len(self.buffers[buffer]):
             raise InputError(
-                f"bufferView {index}: bytes {start} to {start + length} of a buffer of {len(self.buffers[buffer])}",
+                f"bufferView {index}: bytes {start} to {start + length}, "
+                f"buffer {buffer} has {len(self.buffers[buffer])}",
                 path=self.path,
             )
         return self.buffers[buffer][start : start + length]

@@ -6,12 +6,16 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graft.errors import InputError
 from graft.objects import Floats, Ints
 
+Mask = NDArray[np.bool_]
+
 FLAT_TRIANGLE = 1e-12
-"""A triangle whose doubled area is below this share of its longest edge squared has no area in double precision."""
+"""A triangle whose doubled area is below this share of its longest edge squared has no area in double
+precision."""
 
 
 class Piece(NamedTuple):
@@ -76,7 +80,8 @@ class RawMesh:
 def fan(polygons: list[list[int]]) -> tuple[Ints, Ints]:
     """Cut polygons into triangle fans about their first corner.
 
-    Polygons of fewer than three corners become a triangle without area, so that they are counted when it is dropped.
+    Polygons of fewer than three corners become a triangle without area, so that they are counted when it is
+    dropped.
 
     Returns:
         (f, 3) triangles and (f,) the polygon each came from, which never skips one.
@@ -138,7 +143,7 @@ def cleaned(mesh: RawMesh) -> Piece:
     if len(vertices) == 0:
         raise InputError(f"{where}: no vertices")
     notes = []
-    finite = np.isfinite(vertices).all(axis=1)
+    finite: Mask = np.asarray(np.isfinite(vertices).all(axis=1))
     if not len(faces):
         if normals is not None:
             finite &= np.isfinite(normals).all(axis=1)
@@ -171,7 +176,7 @@ def cleaned(mesh: RawMesh) -> Piece:
     return Piece(mesh.name, vertices, faces, None, tuple(notes))
 
 
-def _has_area(vertices: Floats, faces: Ints) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _has_area(vertices: Floats, faces: Ints) -> Mask:
     corners = vertices[faces]
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     # Scaled by the longest edge first, so that neither tiny nor huge units underflow or overflow.
@@ -179,11 +184,11 @@ def _has_area(vertices: Floats, faces: Ints) -> np.ndarray[tuple[int], np.dtype[
     longest = np.abs(edges).max(axis=(0, 2))
     safe = np.where(longest > 0, longest, 1.0)[:, None]
     doubled = np.linalg.norm(np.cross(a / safe, b / safe), axis=1)
-    found: np.ndarray[tuple[int], np.dtype[np.bool_]] = (longest > 0) & (doubled > FLAT_TRIANGLE)
+    found: Mask = (longest > 0) & (doubled > FLAT_TRIANGLE)
     return found
 
 
 def _unit_normals(normals: Floats) -> Floats | None:
-    """Return normals of length one, or None when some have no direction: half a set of normals tells no side."""
+    """Return normals of length one, or None when some have no direction: half a set tells no side."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / length if (length > 0).all() else None

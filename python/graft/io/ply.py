@@ -55,7 +55,8 @@ class _Element:
 
 
 Columns = dict[str, Any]
-"""Property name -> (n,) array, or a list of n lists for list properties of varying length, or (n, k) for constant."""
+"""Property name -> (n,) array, or a list of n lists for list properties of varying length, or (n, k) for
+constant."""
 
 
 def read_ply(path: Path) -> list[RawMesh]:
@@ -121,7 +122,7 @@ def _binary(data: bytes, start: int, order: str, elements: list[_Element], path:
 
 
 def _constant_rows(data: bytes, start: int, order: str, element: _Element) -> tuple[Columns, int] | None:
-    """Read rows at once when every list has the length that it has in the first row; None when that is not so."""
+    """Read rows at once when every list is as long as in the first row; None when that is not so."""
     fields: list[tuple[Any, ...]] = []
     offset = start
     lengths: dict[str, int] = {}
