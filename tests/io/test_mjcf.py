@@ -2,7 +2,6 @@ import builtins
 
 import numpy as np
 import pytest
-import trimesh
 
 from graft.errors import InputError, MissingExtraError
 from graft.io import primitives
@@ -47,19 +46,8 @@ def write(folder, text, name="model.xml"):
     return path
 
 
-def box_file(path, extents=(0.2, 0.4, 0.6), move=(0.0, 0.0, 0.0)):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    mesh = trimesh.creation.box(extents)
-    mesh.apply_translation(move)
-    mesh.export(path)
-
-
 def body(geoms, extra=""):
     return f"<mujoco>{extra}<worldbody><body name='thing'>{geoms}</body></worldbody></mujoco>"
-
-
-def volume(part):
-    return trimesh.Trimesh(part.vertices, part.faces, process=True).volume
 
 
 @pytest.fixture
@@ -158,13 +146,6 @@ def test_a_body_without_geometry_is_stood_for_by_what_is_fixed_to_it(tmp_path):
     ]
 
 
-def test_a_package_allows_its_folder(tmp_path):
-    box_file(tmp_path / "shared/box.stl")
-    asset = "<compiler meshdir='../shared'/><asset><mesh name='b' file='box.stl'/></asset>"
-    path = write(tmp_path, body("<geom type='mesh' mesh='b'/>", asset), "own/model.xml")
-    assert load_mjcf(path, packages={"shared": tmp_path / "shared"}).part_names == ("b",)
-
-
 def test_warnings_of_mujoco_are_notes(tmp_path):
     path = write(tmp_path, body("<geom size='1'/>", "<compiler settotalmass='1'/>"))
     assert any(note.startswith("MuJoCo warns: ") and "settotalmass" in note for note in load_mjcf(path).notes)
@@ -197,56 +178,6 @@ def test_up_is_against_gravity(tmp_path):
     np.testing.assert_array_equal(load_mjcf(path).up, [0, 0, 1])
 
 
-def test_meshes_with_meshdir_scale_refpos_and_their_own_frame(tmp_path):
-    box_file(tmp_path / "assets/box.stl", move=(1, 2, 3))
-    path = write(
-        tmp_path,
-        body(
-            "<geom type='mesh' mesh='box' pos='0 0 1'/>",
-            "<compiler meshdir='assets'/><asset><mesh file='box.stl' scale='2 1 -1' refpos='1 0 0'/></asset>",
-        ),
-    )
-    (part,) = load_mjcf(path).parts
-    assert part.name == "box"
-    corners = np.array([[0.9, 1.8, 2.7], [1.1, 2.2, 3.3]])  # of the file's box
-    moved = (corners - [1, 0, 0]) * [2, 1, -1] + [0, 0, 1]  # refpos comes before the scale
-    bounds = np.stack([part.vertices.min(axis=0), part.vertices.max(axis=0)])
-    np.testing.assert_allclose(bounds, np.sort(moved, axis=0), atol=1e-6)
-    assert volume(part) == pytest.approx(0.2 * 0.4 * 0.6 * 2, rel=1e-5)  # mirrored, and still faces outward
-
-
-def test_strippath_and_assetdir(tmp_path):
-    box_file(tmp_path / "assets/box.obj")
-    asset = (
-        "<compiler assetdir='assets' strippath='true'/><asset><mesh name='b' file='/a/b/box.obj'/></asset>"
-    )
-    assert load_mjcf(write(tmp_path, body("<geom type='mesh' mesh='b'/>", asset))).part_names == ("b",)
-
-
-def test_description_folder_may_name_its_neighbours(tmp_path):
-    box_file(tmp_path / "meshes/box.stl")
-    asset = "<compiler meshdir='../meshes'/><asset><mesh name='b' file='box.stl'/></asset>"
-    path = write(tmp_path, body("<geom type='mesh' mesh='b'/>", asset), "mjcf/model.xml")
-    assert load_mjcf(path).part_names == ("b",)
-
-
-def test_includes_are_taken_from_the_main_files_folder(tmp_path):
-    write(tmp_path, "<mujocoinclude><include file='sub/inner.xml'/></mujocoinclude>", "sub/outer.xml")
-    write(tmp_path, "<mujocoinclude><geom name='inner' size='1'/></mujocoinclude>", "sub/inner.xml")
-    path = write(tmp_path, body("<include file='sub/outer.xml'/>"))
-    assert load_mjcf(path).part_names == ("inner",)
-
-
-def test_attached_models_are_read(tmp_path):
-    write(tmp_path, body("<geom name='g' size='1'/>"), "other.xml")
-    path = write(
-        tmp_path,
-        """<mujoco><asset><model name="other" file="other.xml"/></asset><worldbody>
-        <attach model="other" body="thing" prefix="x_"/></worldbody></mujoco>""",
-    )
-    assert load_mjcf(path).part_names == ("x_g",)
-
-
 @pytest.mark.parametrize(
     ("geoms", "kept"),
     [
@@ -270,21 +201,6 @@ def test_visual_geoms_are_preferred(tmp_path, geoms, kept):
     left_out = geoms.count("<geom") - len(kept)
     assert len(obj.notes) == (left_out > 0)
     assert all(note.startswith(f"{left_out} collision geoms") for note in obj.notes)
-
-
-def test_height_fields_are_left_out_with_a_note(tmp_path):
-    field = "<asset><hfield name='h' nrow='3' ncol='3' size='1 1 1 1'/></asset>"
-    obj = load_mjcf(write(tmp_path, body("<geom type='hfield' hfield='h'/><geom name='g' size='1'/>", field)))
-    assert obj.part_names == ("g",)
-    assert obj.notes == ("1 height fields left out: they are terrain",)
-
-
-def test_textures_are_not_needed(tmp_path):
-    asset = """<asset><texture name="t" type="2d" file="absent.png"/>
-    <material name="m" texture="t"/></asset>"""
-    assert load_mjcf(write(tmp_path, body("<geom name='g' size='1' material='m'/>", asset))).part_names == (
-        "g",
-    )
 
 
 def test_without_mujoco_the_extra_is_named(frames, monkeypatch):

@@ -3,6 +3,8 @@ import json
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from graft.errors import InputError, InputWarning
 from graft.io.partnet import is_partnet, load_partnet
@@ -155,6 +157,27 @@ def test_bad_files_are_named(cabinet, file, text, complaint):
     (cabinet / file).write_text(text)
     with pytest.raises(InputError, match=complaint):
         load_partnet(cabinet)
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    file=st.sampled_from(["mobility.urdf", "semantics.txt", "meta.json", "textured_objs/original-1.obj"]),
+    flips=st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), max_size=4),
+    keep=st.one_of(st.just(1.0), st.floats(0, 1)),
+)
+def test_damaged_folders_load_or_are_refused(cabinet, file, flips, keep):
+    whole = (cabinet / file).read_bytes()
+    data = bytearray(whole)
+    for place, value in flips:
+        data[int(place * len(data))] = value
+    (cabinet / file).write_bytes(data[: int(keep * len(data))])
+    try:
+        message = "" if load_partnet(cabinet).parts else "no parts"
+    except InputError as error:
+        message = str(error)
+    finally:
+        (cabinet / file).write_bytes(whole)
+    assert message == "" or (str(cabinet) in message and "\n" not in message)
 
 
 def test_another_folder_is_none(tmp_path):
