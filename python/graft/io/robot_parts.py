@@ -105,11 +105,12 @@ def parts_and_joints(
     )
     joints: list[Joint] = []
     stands = _stand_ins(bodies)
+    surfaces = _Surfaces(parts)
     for index in carrying:
         ancestor, freedoms = _to_ancestor(bodies, stands, index)
         if ancestor is None:
             continue
-        parent, child = _closest(parts, owned[ancestor], owned[index])
+        parent, child = surfaces.closest(owned[ancestor], owned[index])
         if not freedoms:
             joints.append(
                 Joint(parent, child, "fixed", bodies[index].fixed_name, origin=bodies[index].origin)
@@ -157,15 +158,33 @@ def _to_ancestor(
     return (None if ancestor is None else stands[ancestor]), freedoms
 
 
-def _closest(parts: Sequence[Part], first: Sequence[int], second: Sequence[int]) -> tuple[int, int]:
-    """Return the pair of parts, one of `first` and one of `second`, whose surfaces come closest."""
-    if len(first) == 1 and len(second) == 1:
-        return first[0], second[0]
-    trees = {i: cKDTree(_surface_points(parts[i])) for i in first}
-    points = {j: _surface_points(parts[j]) for j in second}
-    gaps = [(float(np.min(trees[i].query(points[j])[0])), i, j) for i in first for j in second]
-    _, parent, child = min(gaps)
-    return parent, child
+class _Surfaces:
+    """Tells which parts come closest; keeps what it has sampled."""
+
+    def __init__(self, parts: Sequence[Part]) -> None:
+        self._parts = parts
+        self._trees: dict[int, cKDTree] = {}
+        self._boxes = [(part.vertices.min(axis=0), part.vertices.max(axis=0)) for part in parts]
+
+    def closest(self, first: Sequence[int], second: Sequence[int]) -> tuple[int, int]:
+        """Return the pair of parts, one of `first` and one of `second`, whose surfaces come closest."""
+        pairs = sorted((self._box_gap(i, j), i, j) for i in first for j in second)
+        best = (np.inf, *pairs[0][1:])
+        for bound, i, j in pairs if len(pairs) > 1 else ():
+            if bound > best[0]:
+                break
+            best = min(best, (float(np.min(self._tree(i).query(self._tree(j).data)[0])), i, j))
+        return best[1], best[2]
+
+    def _box_gap(self, i: int, j: int) -> float:
+        """Return the distance of two bounding boxes, which that of the surfaces in them cannot be below."""
+        (low, high), (other_low, other_high) = self._boxes[i], self._boxes[j]
+        return float(np.linalg.norm(np.maximum(0.0, np.maximum(low - other_high, other_low - high))))
+
+    def _tree(self, i: int) -> cKDTree:
+        if i not in self._trees:
+            self._trees[i] = cKDTree(_surface_points(self._parts[i]))
+        return self._trees[i]
 
 
 def _surface_points(part: Part) -> Floats:
