@@ -12,10 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from graft.io.xml_numbers import at_line, numbers, transform_xyz_rpy
+from graft.io.robot_xml import at_line, numbers, transform_xyz_rpy
 from graft.objects import UNIT_TOLERANCE, Floats, JointType
 
-XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "http://wiki.ros.org/xacro")
+XACRO_PREFIXES = (
+    "xacro:",
+    "{http://www.ros.org/wiki/xacro",
+    "{http://ros.org/wiki/xacro",
+    "{http://wiki.ros.org/xacro",
+)
+"""How the tags of xacro begin; its page has moved, and its namespace is not always declared."""
 
 JOINT_KINDS: Mapping[str, JointType] = {
     "revolute": "hinge",
@@ -157,10 +163,8 @@ def _loop(name: str, above: Mapping[str, LinkJoint]) -> list[str]:
 def _refuse_xacro(path: Path, root: Element) -> None:
     for element in root.iter():
         tag = element.tag if isinstance(element.tag, str) else ""
-        if tag.startswith(tuple(f"{{{space}" for space in XACRO_NAMESPACES)):
-            raise at_line(
-                path, element, f"holds xacro ({tag.partition('}')[2]}): run xacro first and load its output"
-            )
+        if tag.startswith(XACRO_PREFIXES):
+            raise at_line(path, element, f"holds xacro (<{tag}>): run xacro first and load its output")
         for value in element.attrib.values():
             if "${" in value or "$(" in value:
                 raise at_line(path, element, f"holds xacro ({value!r}): run xacro first and load its output")
