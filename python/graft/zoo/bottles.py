@@ -37,10 +37,10 @@ def wine_bottle(rng: Generator) -> Design:
     radius, tall = rng.uniform(0.035, 0.041), rng.uniform(0.285, 0.33)
     neck = rng.uniform(0.0135, 0.0155)
     form = rng.choice(3)
-    low, high = ((0.55, 0.665), (0.45, 0.665), (0.40, 0.70))[form]
+    low, high = ((0.545, 0.66), (0.45, 0.665), (0.40, 0.70))[form]
     low, high = low * tall, high * tall
     body = side(low, (radius, radius, radius), fillet=0.005, count=14)
-    power = (2.0, 1.25, 1.05)[form]
+    power = (1.15, 1.1, 1.0)[form]
     t = np.linspace(0, 1, 16)[1:]
     blend = 0.5 * (1 + np.cos(np.pi * t ** (1 / power)))
     shoulder = np.stack([neck + 0.0012 + (radius - neck - 0.0012) * blend, low + (high - low) * t], axis=1)
@@ -187,7 +187,7 @@ def spray(rng: Generator) -> Design:
     back, front = rng.uniform(0.022, 0.032), rng.uniform(0.038, 0.050)
     t = np.linspace(0, 1, 34)
     path = np.stack([-back + (back + front) * t, 0 * t, head - 0.004 * t], axis=1)
-    thick = spline((0.020, 0.030, 0.034, 0.026, 0.020), t)
+    thick = spline((0.024, 0.032, 0.034, 0.027, 0.022), t)
     reach = rng.uniform(0.030, 0.040)
     trigger = smooth(
         [
@@ -202,7 +202,7 @@ def spray(rng: Generator) -> Design:
         "body": lathe(body, section=section),
         "neck": lathe(neck),
         "collar": _cap(grip + 0.003, top - 0.004, 0.020),
-        "head": tube(path, (0, 1, 0), spline((0.020, 0.026, 0.026, 0.022, 0.018), t), thick, exponent=3.2),
+        "head": tube(path, (0, 1, 0), spline((0.022, 0.026, 0.026, 0.024, 0.020), t), thick, exponent=4.2),
         "trigger": tube(
             trigger, (0, 1, 0), np.linspace(0.014, 0.011, 32), np.linspace(0.009, 0.005, 32), exponent=2.8
         ),

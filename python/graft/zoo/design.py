@@ -13,7 +13,7 @@ from graft.zoo.surfaces import Mesh
 
 UP = (0.0, 0.0, 1.0)
 
-SIDE_OF_A_FACE = 0.8
+SIDE_OF_A_FACE = 0.9
 """Least cosine between a face's normal and the wanted side's direction."""
 
 

@@ -91,11 +91,8 @@ def remote(rng: Generator) -> Design:
         else rectangle(16, key_size, 0.75 * key_size, 0.0015)
     )
     start = -length * rng.uniform(0.36, 0.40)
-    keys = [
-        slab(outline, 0.0036, 0.001).moved((start + i * pitch, (j - 1) * pitch, top))
-        for i in range(rows)
-        for j in range(columns)
-    ]
+    key = slab(outline, 0.0036, 0.001)
+    keys = [key.moved((start + i * pitch, (j - 1) * pitch, top)) for i in range(rows) for j in range(columns)]
     dpad_at = length * rng.uniform(0.13, 0.19)
     keys_end = start + (rows - 1) * pitch + key_size / 2
     rocker_at = (keys_end + dpad_at - min(0.36 * width, 0.017)) / 2

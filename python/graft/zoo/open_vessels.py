@@ -39,13 +39,14 @@ def water_bucket(rng: Generator) -> Design:
     }
     z = height - rng.uniform(0.018, 0.03)
     x = radius_at(body, z)
-    ear = lathe([(0.015, -0.002), (0.015, 0.007), (0.011, 0.010), (0.008, 0.014)], step=0.003)
-    parts["ear_left"] = ear.moved((-x, 0, z), facing((-1, 0, 0)))
-    parts["ear_right"] = ear.moved((x, 0, z), facing((1, 0, 0)))
+    lean = (radius_at(body, z + 0.01) - radius_at(body, z - 0.01)) / 0.02
+    ear = lathe([(0.015, -0.001), (0.015, 0.007), (0.011, 0.010), (0.008, 0.014)], step=0.003)
+    parts["ear_left"] = ear.moved((-x, 0, z), facing((-1, 0, -lean)))
+    parts["ear_right"] = ear.moved((x, 0, z), facing((1, 0, -lean)))
     has_grip = bool(rng.random() < 0.6)
     wire = rng.uniform(0.004, 0.006) if has_grip else rng.uniform(0.009, 0.013)
-    lean = rng.uniform(0.0, 0.35)
-    out = np.array([0.0, np.sin(lean), np.cos(lean)])
+    fall = rng.uniform(0.0, 0.35)
+    out = np.array([0.0, np.sin(fall), np.cos(fall)])
     depth = (x + 0.01) * rng.uniform(0.85, 1.15)
     hinge = x + 0.010
     bail = loop((-hinge, 0, z), (hinge, 0, z), out, depth, exponent=rng.uniform(1.9, 2.5), count=60)

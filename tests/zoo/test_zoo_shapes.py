@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import trimesh
+from mesh_measures import floating_parts
 
 from graft import zoo
 from graft.objects import PartObject
-
-sys.path.insert(0, str(Path(__file__).parent))
-from measures import floating_parts
 
 SEEDS = range(4)
 
