@@ -56,7 +56,7 @@ def teapot(rng: Generator) -> Design:
     rise = opening * rng.uniform(0.28, 0.5)
     knob = rng.uniform(0.009, 0.013)
     tip = radius + rng.uniform(0.055, 0.075)
-    root = height * rng.uniform(0.3, 0.45)
+    root = height * rng.uniform(0.40, 0.52)
     bend = rng.uniform(0.40, 0.58)
     mouth_z = height * rng.uniform(0.98, 1.12)
     spout = np.array(
@@ -87,7 +87,7 @@ def teapot(rng: Generator) -> Design:
         )
         parts["handle"] = tube(path, (0, 1, 0), width, thick, exponent=2.3)
         grip = path[int(np.argmin(path[:, 0]))]
-        touch = Touch("handle", grip - [thick, 0, 0], (-1, 0, 0), "pour")
+        touch = Touch("handle", grip - np.array((thick, 0, 0)), (-1, 0, 0), "pour")
     else:
         z = height * 0.86
         reach = radius_at(body, z) - SINK
@@ -99,7 +99,7 @@ def teapot(rng: Generator) -> Design:
 
 
 def kettle(rng: Generator) -> Design:
-    """Return a kettle: a stove kettle with a bail, or an electric one with a D handle, a base and a switch."""
+    """Return a kettle: a stove kettle with a bail, or an electric one with a D handle."""
     return _electric_kettle(rng) if rng.random() < 0.5 else _stove_kettle(rng)
 
 
@@ -195,11 +195,11 @@ def _electric_kettle(rng: Generator) -> Design:
         ),
         "switch": tube(switch, (0, 1, 0), 0.013, 0.009, exponent=3),
     }
-    return Design(parts, ("handle",), Touch("handle", grip - [thick, 0, 0], (-1, 0, 0), "pour"))
+    return Design(parts, ("handle",), Touch("handle", grip - np.array((thick, 0, 0)), (-1, 0, 0), "pour"))
 
 
 def watering_can(rng: Generator) -> Design:
-    """Return a watering can: body, collar, long spout with a rose, a brace, and a handle over the top or behind."""
+    """Return a watering can with a long spout and a rose, its handle over the top or behind."""
     radius, height = rng.uniform(0.075, 0.095), rng.uniform(0.15, 0.20)
     taper = rng.uniform(0.86, 1.0)
     wall = 0.003
@@ -257,7 +257,7 @@ def watering_can(rng: Generator) -> Design:
         ]
         path = smooth(line, 64)
         crown = path[int(np.argmax(path[:, 2]))]
-        touch = Touch("handle", crown + [0, 0, thick], (0, 0, 1), "pour")
+        touch = Touch("handle", crown + np.array((0, 0, thick)), (0, 0, 1), "pour")
     else:
         path = loop(
             (0.002 - radius_at(outline, 0.9 * height), 0, 0.9 * height),
@@ -269,7 +269,7 @@ def watering_can(rng: Generator) -> Design:
             count=56,
         )
         grip = path[int(np.argmin(path[:, 0]))]
-        touch = Touch("handle", grip - [thick, 0, 0], (-1, 0, 0), "pour")
+        touch = Touch("handle", grip - np.array((thick, 0, 0)), (-1, 0, 0), "pour")
     parts["handle"] = tube(path, (0, 1, 0), width, thick, exponent=2.4)
     if behind:
         parts["handle"] = seated(parts["handle"], outline, 0.002)

@@ -1,4 +1,4 @@
-"""Hand tools as they lie on a table: hammer, screwdriver, knife, scissors and flashlight. Metres, long along x."""
+"""Hand tools as they lie on a table: hammer, screwdriver, knife, scissors, flashlight. Metres, along x."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.random import Generator
 from graft.objects import Floats
 from graft.zoo.curves import rectangle, smooth, spline, superellipse
 from graft.zoo.design import Design, Touch
-from graft.zoo.surfaces import Mesh, facing, lathe, merged, ring, side, slab, tube
+from graft.zoo.surfaces import Mesh, facing, lathe, merged, ring, side, slab, tube, widened
 
 ALONG = facing((1, 0, 0))
 """Turns a lathe from z to x."""
@@ -109,7 +109,7 @@ def screwdriver(rng: Generator) -> Design:
             vertices[:, 2] < 0.78 * grip
         )
         scale = 1 - 0.11 * along * (0.5 + 0.5 * np.cos(flutes * angle))
-        return vertices * np.stack([scale, scale, np.ones_like(scale)], axis=1)
+        return widened(vertices, scale)
 
     tip = grip + reach
     end = _straight(tip - 0.004, tip + 0.012, 24)
@@ -180,8 +180,8 @@ def knife(rng: Generator) -> Design:
                 )
             )
         parts["rivets"] = merged(*pins)
-    i = 18
-    near = line[i] + [0, 0, thick[i]]
+    i = 14  # between two rivets
+    near = line[i] + np.array((0, 0, thick[i]))
     return Design(parts, ("handle",), Touch("handle", near, (0, 0, 1), "cut"), stands=False)
 
 
@@ -208,11 +208,12 @@ def scissors(rng: Generator) -> Design:
         t = np.linspace(0, 1, 48)
         width = spline((0.007, 0.009, 0.016, 0.014, 0.010, 0.0018), t)
         z = sign * thick * 0.5
-        parts[f"blade_{name}"] = tube(line + [0, 0, z], (0, 1, 0), width, thick, exponent=2.6, dome=False)
+        blade = tube(line, (0, 1, 0), width, thick, exponent=2.6, dome=False)
+        parts[f"blade_{name}"] = blade.moved((0, 0, z))
         scale = large if name == "right" else 1.0
         a, b = 0.017 * scale, 0.0125 * (1 + 0.4 * (scale - 1))
         angle = np.linspace(0, 2 * np.pi, 56, endpoint=False)
-        middle = line[0] + [-a * 0.92, -sign * 0.55 * b, 0]
+        middle = line[0] + np.array((-a * 0.92, -sign * 0.55 * b, 0))
         tilt = -sign * -0.25
         x, y = a * np.cos(angle), b * np.sin(angle)
         bow = middle + np.stack(
@@ -226,7 +227,7 @@ def scissors(rng: Generator) -> Design:
         side(0.008, (0.0052, 0.0055, 0.005), base=-0.004, fillet=0.001, shoulder=0.001, count=10)
     )
     i = int(np.argmax(np.linalg.norm(held - outer, axis=1) * (held[:, 0] < outer[0])))
-    touch = Touch("handle_right", held[i] + [0, 0, rod], (0, 0, 1), "cut")
+    touch = Touch("handle_right", held[i] + np.array((0, 0, rod)), (0, 0, 1), "cut")
     return Design(parts, ("handle_left", "handle_right"), touch, labels, stands=False)
 
 
@@ -242,7 +243,7 @@ def flashlight(rng: Generator) -> Design:
         angle = np.arctan2(vertices[:, 1], vertices[:, 0])
         on = (vertices[:, 2] > 0.1 * length) & (vertices[:, 2] < 0.72 * length)
         scale = 1 - 0.035 * on * (0.5 + 0.5 * np.cos(knurl * angle))
-        return vertices * np.stack([scale, scale, np.ones_like(scale)], axis=1)
+        return widened(vertices, scale)
 
     wide = radius * flare
     bezel = length + head - 0.004
