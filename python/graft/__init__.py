@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from graft.errors import GraftError, InputError, InputWarning, MissingExtraError
     from graft.objects import Contact, Demonstration, Joint, Part, PartObject
+    from graft.viz import save_glb, save_object_scene, save_scene, save_sheet, save_views
 
 _HOMES = {
     "Contact": "graft.objects",
@@ -27,6 +28,11 @@ _HOMES = {
     "MissingExtraError": "graft.errors",
     "Part": "graft.objects",
     "PartObject": "graft.objects",
+    "save_glb": "graft.viz",
+    "save_object_scene": "graft.viz",
+    "save_scene": "graft.viz",
+    "save_sheet": "graft.viz",
+    "save_views": "graft.viz",
 }
 
 __version__ = "0.1.0"
@@ -40,6 +46,11 @@ __all__ = [
     "MissingExtraError",
     "Part",
     "PartObject",
+    "save_glb",
+    "save_object_scene",
+    "save_scene",
+    "save_sheet",
+    "save_views",
 ]
 
 
