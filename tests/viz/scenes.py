@@ -48,6 +48,7 @@ def cloud(n=400, seed=0):
 
 MUG_CONTACT = Contact((0.8, 0.0, 0.0), (1.0, 0.0, 0.0), 1)
 KETTLE_CONTACT = Contact((0.0, 0.0, 0.75), (0.0, 0.0, 1.0), 1)
+BALL_CONTACT = Contact((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0)
 PLAN = np.array([[0.5, 0.0, 0.1], [0.05, 0.3, 0.05]])
 
 

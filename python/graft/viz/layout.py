@@ -37,6 +37,9 @@ PAIR_GAP = 1.2
 CELL = (2.75, 2.5)
 """Width and depth of a transfer's cell."""
 
+SCENE_ASPECT = 0.8
+"""Width to depth of the grid: seen from above at 33 degrees, it fills a window of 3 to 2."""
+
 CAPTION_DISTANCE = 0.62
 """How far before the middle of its cell a caption lies."""
 
@@ -119,7 +122,7 @@ def lay_out(transfers: Sequence[TransferredContact]) -> list[Cell]:
     Raises:
         MissingExtraError: The meshes have to be thinned, and fast-simplification is not installed.
     """
-    columns = max(1, round(float(np.sqrt(len(transfers) * CELL[1] / CELL[0] * 1.6))))
+    columns = max(1, round(float(np.sqrt(SCENE_ASPECT * len(transfers) * CELL[1] / CELL[0]))))
     rows = -(-len(transfers) // columns)
     budget = min(OBJECT_FACES, SCENE_FACES // (2 * len(transfers)))
     cells = []

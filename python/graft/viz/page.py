@@ -40,7 +40,7 @@ def save_scene(path: str | Path, transfers: TransferredContact | Sequence[Transf
     """Write transfers as one self-contained HTML page.
 
     Sources stand to the left of their targets; parts have the colours of the match, lines join matched parts
-    (thicker and stronger where more mass goes), contacts have a red ball and their frame's axes, the normal blue.
+    (stronger where more mass goes), contacts have a red ball and their frame's axes, the normal blue.
 
     Args:
         path: Ends in .html.
@@ -165,7 +165,8 @@ def _add_names(scene: Any, placed: Placed, obj: PartObject) -> Floats:
         )
         name = f"{shape.name} (graspable)" if i in obj.graspable else shape.name
         _label(scene, f"names/{i}/name", name, spot, height=NAME_HEIGHT, anchor="center-left")
-    return spots + np.array([0.3, 0.0, 0.0])
+    ends: Floats = spots + np.array([0.3, 0.0, 0.0])
+    return ends
 
 
 def _label(
