@@ -58,10 +58,10 @@ LEGEND_ROWS = 3
 def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[TransferredContact]) -> None:
     """Write a contact sheet as PNG: for each transfer the source and the target, side by side.
 
-    The demonstrated part is amber, other parts have other colours, and every target part has the colour of the
-    source part that sends it the most mass (grey: none does). Contacts are red balls with an arrow along the
-    normal, seen from where they are visible. The frame is green when the contact lies in the target's graspable
-    mask, red when it does not, grey when there is no mask.
+    The demonstrated part is amber, other parts have other colours, and every target part has the colour of
+    the source part that sends it the most mass (grey: none does). Contacts are red balls with an arrow along
+    the normal, seen from where they are visible. The frame is green when the contact lies in the target's
+    graspable mask, red when it does not, grey when there is no mask.
 
     Args:
         path: Ends in .png.

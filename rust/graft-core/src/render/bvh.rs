@@ -104,6 +104,7 @@ pub struct Bvh {
 
 impl Bvh {
     /// Build the tree over `primitives`, whose coordinates must be finite.
+    #[must_use]
     pub fn new(primitives: Vec<Primitive>) -> Self {
         let bounds: Vec<Aabb> = primitives.iter().map(Aabb::of).collect();
         let centers: Vec<Vector3<f64>> = bounds.iter().map(|b| (b.low + b.high) * 0.5).collect();
@@ -116,6 +117,7 @@ impl Bvh {
     }
 
     /// Return the nearest hit at a distance of at least 0; of equally near ones the primitive of lowest index.
+    #[must_use]
     pub fn nearest(&self, ray: &Ray) -> Option<Hit> {
         let inverse = ray.direction.map(|x| 1.0 / x);
         let mut best: Option<Hit> = None;
@@ -170,7 +172,7 @@ impl Bvh {
         };
         if let Some((distance, weights)) = found {
             let nearer = best
-                .is_none_or(|b| distance < b.distance || (distance == b.distance && primitive < b.primitive));
+                .is_none_or(|b| distance.total_cmp(&b.distance).then(primitive.cmp(&b.primitive)).is_lt());
             if nearer {
                 *best = Some(Hit { distance, primitive, weights });
             }

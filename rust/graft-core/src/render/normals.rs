@@ -34,7 +34,9 @@ pub fn corner_normals(vertices: &[Vector3<f64>], faces: &[[usize; 3]]) -> Vec<[V
 
     let mut starts = vec![0_usize; places.len() + 1];
     for face in faces {
-        face.iter().for_each(|&v| starts[place[v] + 1] += 1);
+        for &v in face {
+            starts[place[v] + 1] += 1;
+        }
     }
     for i in 1..starts.len() {
         starts[i] += starts[i - 1];
