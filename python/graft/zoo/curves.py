@@ -54,9 +54,7 @@ def spline(values: ArrayLike, at: ArrayLike, *, closed: bool = False) -> Floats:
         first, last = 2 * knots[0] - knots[1], 2 * knots[-1] - knots[-2]
         padded = np.concatenate([first[None], knots, last[None]])
         a, b, c, d = (padded[left + k] for k in range(4))
-    curve: Floats = 0.5 * (
-        2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3
-    )
+    curve: Floats = 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3)
     return curve
 
 

@@ -97,9 +97,7 @@ def contact_on(obj: PartObject, part: int, near: ArrayLike, outward: ArrayLike) 
     away = np.asarray(outward, float) / np.linalg.norm(outward)
     looks = normals @ away > SIDE_OF_A_FACE * areas
     if not looks.any():
-        raise InputError(
-            f"object {obj.name!r} part {mesh.name!r}: no face looks along {away.round(3).tolist()}"
-        )
+        raise InputError(f"object {obj.name!r} part {mesh.name!r}: no face looks along {away.round(3).tolist()}")
     candidates = np.flatnonzero(looks & (areas > 0))
     distance = np.linalg.norm(corners[candidates].mean(axis=1) - np.asarray(near, float), axis=1)
     face = candidates[int(np.argmin(distance))]

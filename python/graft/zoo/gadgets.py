@@ -77,18 +77,14 @@ def remote(rng: Generator) -> Design:
         z = vertices[:, 2] - arch * x**2 * 0.5
         return np.stack([vertices[:, 0], y, z], axis=1)
 
-    case = slab(
-        rectangle(140, length, width, corner), thick, thick * rng.uniform(0.22, 0.42), top=thick * 0.2
-    )
+    case = slab(rectangle(140, length, width, corner), thick, thick * rng.uniform(0.22, 0.42), top=thick * 0.2)
     top = thick - 0.0016
     columns, rows = (3, int(rng.integers(3, 5)))
     pitch = min(0.0125, 0.78 * width / columns)
     key_size = pitch * rng.uniform(0.62, 0.75)
     round_keys = bool(rng.random() < 0.5)
     outline = (
-        superellipse(16, key_size / 2, key_size / 2)
-        if round_keys
-        else rectangle(16, key_size, 0.75 * key_size, 0.0015)
+        superellipse(16, key_size / 2, key_size / 2) if round_keys else rectangle(16, key_size, 0.75 * key_size, 0.0015)
     )
     start = -length * rng.uniform(0.36, 0.40)
     key = slab(outline, 0.0036, 0.001)

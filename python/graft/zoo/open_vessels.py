@@ -72,9 +72,7 @@ def mug(rng: Generator) -> Design:
     waist = rng.uniform(-0.08, 0.10)
     taper = rng.uniform(0.86, 1.0)
     wall = rng.uniform(0.003, 0.0045)
-    body = side(
-        height, (radius * taper, radius * (1 + waist), radius), base=0.003, fillet=rng.uniform(0.004, 0.012)
-    )
+    body = side(height, (radius * taper, radius * (1 + waist), radius), base=0.003, fillet=rng.uniform(0.004, 0.012))
     top, low = height * rng.uniform(0.76, 0.9), height * rng.uniform(0.16, 0.34)
     start = (radius_at(body, top) - SINK * wall, 0, top)
     end = (radius_at(body, low) - SINK * wall, 0, low)
@@ -124,9 +122,7 @@ def jug(rng: Generator) -> Design:
     start = (SINK * wall - radius_at(body, top), 0, top)
     end = (SINK * wall - radius_at(body, low), 0, low)
     depth = rng.uniform(0.045, 0.06)
-    path = loop(
-        start, end, (-1, 0, 0), depth, exponent=rng.uniform(2.0, 3.0), skew=rng.uniform(0.0, 0.35), count=56
-    )
+    path = loop(start, end, (-1, 0, 0), depth, exponent=rng.uniform(2.0, 3.0), skew=rng.uniform(0.0, 0.35), count=56)
     width, thick = rng.uniform(0.018, 0.026), rng.uniform(0.010, 0.016)
     parts = {
         "body": vessel(body, wall, 0.006).warped(draw_lip),
@@ -176,9 +172,7 @@ def pan(rng: Generator) -> Design:
         "hanging_ring": tube(eye, (0, 0, 1), 0.005, 0.0045, closed=True),
     }
     if rng.random() < 0.45:
-        short = loop(
-            (SINK * wall - x, -0.035, z), (SINK * wall - x, 0.035, z), (-1, 0, 0.0), 0.035, exponent=2.8
-        )
+        short = loop((SINK * wall - x, -0.035, z), (SINK * wall - x, 0.035, z), (-1, 0, 0.0), 0.035, exponent=2.8)
         parts["helper_handle"] = tube(short, (0, 0, 1), 0.009, 0.011)
     middle = path[22] + np.array((0, 0, 0.02))
     labels = {"helper_handle": "handle"} if "helper_handle" in parts else {}
@@ -190,9 +184,7 @@ def basket(rng: Generator) -> Design:
     height, length = rng.uniform(0.13, 0.18), rng.uniform(0.13, 0.18)
     squeeze, corner = rng.uniform(0.68, 1.0), rng.uniform(2.0, 3.2)
     section = superellipse(56, 1.0, squeeze, corner)
-    body = side(
-        height, (0.78 * length, rng.uniform(0.9, 1.0) * length, length), base=0.004, fillet=0.012, count=21
-    )
+    body = side(height, (0.78 * length, rng.uniform(0.9, 1.0) * length, length), base=0.004, fillet=0.012, count=21)
     strands, rows = 28, 11
 
     def weave(vertices: Floats) -> Floats:

@@ -25,9 +25,7 @@ def _knob(radius: float, z: float, tall: float) -> Mesh:
     """Return a lid's knob: a stem and a flattened ball, its foot at height `z`."""
     t = np.linspace(-0.9, 1.35, 12)
     ball = np.stack([radius * np.cos(t), z + tall - radius * 0.75 + 0.75 * radius * np.sin(t)], axis=1)
-    return lathe(
-        np.vstack([[(radius * 0.6, z - 0.002), (radius * 0.45, z + 0.25 * tall)], ball]), step=0.0025
-    )
+    return lathe(np.vstack([[(radius * 0.6, z - 0.002), (radius * 0.45, z + 0.25 * tall)], ball]), step=0.0025)
 
 
 def _spout(points: Floats, wide: float, narrow: float) -> Mesh:
@@ -48,9 +46,7 @@ def teapot(rng: Generator) -> Design:
     """Return a teapot: belly, lid, knob, curved spout, foot, and an ear at the side or a bail on top."""
     radius, height = rng.uniform(0.062, 0.082), rng.uniform(0.095, 0.125)
     low, mid, high, mouth = rng.uniform(0.86, 0.97), 1.0, rng.uniform(0.78, 0.93), rng.uniform(0.42, 0.54)
-    body = side(
-        height, [radius * k for k in (0.6, low, mid, high, mouth)], base=0.005, fillet=0.006, count=26
-    )
+    body = side(height, [radius * k for k in (0.6, low, mid, high, mouth)], base=0.005, fillet=0.006, count=26)
     top = body[-1, 1]
     opening = radius * mouth
     rise = opening * rng.uniform(0.28, 0.5)
@@ -203,9 +199,7 @@ def watering_can(rng: Generator) -> Design:
     radius, height = rng.uniform(0.075, 0.095), rng.uniform(0.15, 0.20)
     taper = rng.uniform(0.86, 1.0)
     wall = 0.003
-    outline = side(
-        height, (radius, radius * (1 + taper) / 2 * rng.uniform(1.0, 1.04), radius * taper), fillet=0.008
-    )
+    outline = side(height, (radius, radius * (1 + taper) / 2 * rng.uniform(1.0, 1.04), radius * taper), fillet=0.008)
     reach, rise = rng.uniform(0.16, 0.22), rng.uniform(0.95, 1.15) * height
     root = height * rng.uniform(0.16, 0.28)
     x = radius_at(outline, root)

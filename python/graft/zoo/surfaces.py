@@ -129,9 +129,7 @@ def side(
     turn = np.linspace(0.0, np.pi / 2, 6)[:-1]
     low = fillet * (1 - np.cos(turn))
     high = height - shoulder * (1 - np.cos(turn[::-1]))
-    z = np.concatenate(
-        [low if fillet else [], np.linspace(fillet, height - shoulder, count), high if shoulder else []]
-    )
+    z = np.concatenate([low if fillet else [], np.linspace(fillet, height - shoulder, count), high if shoulder else []])
     r = spline(radii, z / height)
     if fillet:
         r = r - fillet * (1 - np.sqrt(1 - np.clip(1 - z / fillet, 0, 1) ** 2))

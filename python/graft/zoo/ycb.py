@@ -102,9 +102,7 @@ def _corners(name: str) -> Floats:
     body = data[STL_HEADER + 4 :]
     count = int.from_bytes(data[STL_HEADER : STL_HEADER + 4], "little")
     if len(body) != count * STL_RECORD.itemsize:
-        raise InputError(
-            f"expected {count} faces of binary STL as its header says, got {len(body)} bytes", path=path
-        )
+        raise InputError(f"expected {count} faces of binary STL as its header says, got {len(body)} bytes", path=path)
     return np.frombuffer(body, STL_RECORD)["corners"].astype(np.float64)
 
 

@@ -186,8 +186,7 @@ fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
     let mut best = Best(Vec::with_capacity(REFINED + 1));
     let mut evaluate = |(bound, normal): &(f64, Vec3), best: &mut Best| {
         let smallest = best.smallest();
-        if *bound >= smallest || rough.as_ref().is_some_and(|c| c.bound(normal, &mut rough_work) >= smallest)
-        {
+        if *bound >= smallest || rough.as_ref().is_some_and(|c| c.bound(normal, &mut rough_work) >= smallest) {
             return;
         }
         if let Some(candidate) = hull.best_about(normal, &mut work) {
