@@ -171,14 +171,18 @@ def source_mass(graph: PartGraph, part: int | str, gamma: float = SALIENCY) -> F
     if not 0 < gamma <= 1:
         raise InputError(f"gamma: expected 0 < gamma <= 1, got {gamma}")
     hops = _core.part_hops(graph.adjacency, graph.object.part_index(part))
-    mass: Floats = gamma**hops * _relative_volumes(graph)
-    return mass / mass.sum()
+    return _shares(gamma**hops * _relative_volumes(graph))
 
 
 def target_prior(graph: PartGraph) -> Floats:
     """Return the prior masses (n,) of a target's nodes: delta_j = V_j / sum V."""
-    volumes = _relative_volumes(graph)
-    return volumes / volumes.sum()
+    return _shares(_relative_volumes(graph))
+
+
+def _shares(mass: Floats) -> Floats:
+    """Return masses (n,) as shares of their sum."""
+    shares: Floats = mass / mass.sum()
+    return shares
 
 
 def _relative_volumes(graph: PartGraph) -> Floats:

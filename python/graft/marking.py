@@ -190,7 +190,7 @@ def _closest_on_triangles(corners: Floats, query: Floats) -> Floats:
     v = (np.cross(offset, c - a) * normal).sum(axis=1) / safe
     w = (np.cross(b - a, offset) * normal).sum(axis=1) / safe
     inside = (squared > 0) & (v >= 0) & (w >= 0) & (v + w <= 1)
-    best = a + v[:, None] * (b - a) + w[:, None] * (c - a)
+    best: Floats = a + v[:, None] * (b - a) + w[:, None] * (c - a)
     least = np.where(inside, np.square(best - query).sum(axis=1), np.inf)
     for start, end in ((a, b), (b, c), (c, a)):
         edge = end - start
