@@ -171,7 +171,7 @@ def source_mass(graph: PartGraph, part: int | str, gamma: float = SALIENCY) -> F
     if not 0 < gamma <= 1:
         raise InputError(f"gamma: expected 0 < gamma <= 1, got {gamma}")
     hops = _core.part_hops(graph.adjacency, graph.object.part_index(part))
-    return _shares(gamma**hops * _relative_volumes(graph))
+    return _shares(gamma ** hops.astype(np.float64) * _relative_volumes(graph))
 
 
 def target_prior(graph: PartGraph) -> Floats:
