@@ -144,7 +144,7 @@ def middle_point(obj: PartObject, part: int | str) -> Floats:
 
 
 def _centroid(obj: PartObject) -> Floats:
-    """Return the centroid (3,) of the surface; of the vertices where clouds, which have no area, are parts."""
+    """Return the centroid (3,) of the surface; of the vertices where parts are clouds, without area."""
     if any(part.is_point_cloud for part in obj.parts):
         middle: Floats = np.concatenate([part.vertices for part in obj.parts]).mean(axis=0)
         return middle
@@ -201,7 +201,8 @@ def _closest_on_triangles(corners: Floats, query: Floats) -> Floats:
         closer = apart < least
         best = np.where(closer[:, None], point, best)
         least = np.where(closer, apart, least)
-    return best
+    closest: Floats = best
+    return closest
 
 
 def _face_normal(part: Part, face: int) -> Floats:

@@ -76,7 +76,7 @@ def test_empty(tmp_path, suffix):
         ("a.xml", b"<scene/>", r"expected <mujoco> or <robot>, got <scene>"),
         ("a.xml", b'<?xml version="1.0"?>\n<!DOCTYPE r [<!ENTITY a "b">]>\n<robot/>', r"line 2: a DOCTYPE"),
         ("a.xyz", b"\xff\xfe\x00", r"line 1"),
-        ("a.step", b"ISO-10303", r"unknown suffix '.step': the known ones are .glb, .gltf, .obj"),
+        ("a.step", b"ISO-10303", r"unknown suffix '.step': the known ones are .dae, .glb, .gltf, .obj"),
         ("cup", b"?", r"unknown suffix ''"),
     ],
 )

@@ -52,6 +52,7 @@ def load_object(
 
     * GLB and glTF: every node with a mesh. By its specification glTF is in metres with +Y up, so that `up` is
       (0, 1, 0) and `scale_to_metres` 1, unless graft wrote the file, which then keeps the object's own frame.
+    * COLLADA: every node with a geometry, in metres, up as the file says.
     * OBJ: every object and group. STL: every solid. PLY, OFF: one part, or one per label.
     * A mesh with face labels next to it (`<stem>.seg`, `.npy`, `.npz`, or `parts.*`) and an `object.json`.
     * Point clouds `x y z [nx ny nz] label` as text, PLY with a label property, `.npz`.
