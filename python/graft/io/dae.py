@@ -13,7 +13,7 @@ from graft.io.guards import read_xml
 from graft.io.pieces import RawMesh, check_range, fan, merged
 from graft.objects import Floats, Ints
 
-MAX_NODES = 100_000
+MAX_NODES = 10_000
 """Nodes visited, instances counted each time: nodes that instance nodes could otherwise double
 without end."""
 
