@@ -85,6 +85,8 @@ def load_object(
     elif path.suffix.lower() in ROBOT_SUFFIXES:
         obj = load_robot_file(path, parts=parts, packages=folders, missing=missing)
     elif path.suffix.lower() in KNOWN_SUFFIXES:
+        if parts != "auto":
+            raise InputError(f"parts: {parts!r} is a choice for MJCF and URDF, not for meshes", path=path)
         obj = load_mesh_file(path)
     else:
         raise InputError(
