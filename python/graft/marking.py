@@ -141,9 +141,7 @@ def middle_point(obj: PartObject, part: int | str) -> Floats:
     center = middle.mean(axis=0)
     reach = float(np.linalg.norm(middle - center, axis=1).max())
     outwards = center - _centroid(obj)
-    spread, axes = (
-        np.linalg.eigh(np.cov((middle - center).T)) if len(middle) > 1 else (np.zeros(3), np.eye(3))
-    )
+    spread, axes = np.linalg.eigh(np.cov((middle - center).T)) if len(middle) > 1 else (np.zeros(3), np.eye(3))
     if spread[2] > BAR_RATIO * spread[1]:  # sideways from a bar, not towards its end
         outwards = outwards - (outwards @ axes[:, 2]) * axes[:, 2]
     length = float(np.linalg.norm(outwards))

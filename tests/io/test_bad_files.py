@@ -115,9 +115,7 @@ def test_names_that_are_not_the_meshes(tmp_path):
     (tmp_path / "handle.ply").write_bytes(PLY)
     (tmp_path / "body.stl").write_bytes(STL)
     (tmp_path / "object.json").write_text('{"part_names": ["body", "lid"]}')
-    with pytest.raises(
-        InputError, match=r"object.json: part_names body, lid; the meshes next to it are body, handle"
-    ):
+    with pytest.raises(InputError, match=r"object.json: part_names body, lid; the meshes next to it are body, handle"):
         load_object(tmp_path)
 
 
@@ -229,9 +227,7 @@ def test_gltf_that_lies(tmp_path, changes, match):
 
 
 def test_an_index_out_of_range_in_gltf(tmp_path):
-    data = (
-        BOX.vertices.astype("<f4").tobytes() + np.where(BOX.faces == 7, 8, BOX.faces).astype("<u2").tobytes()
-    )
+    data = BOX.vertices.astype("<f4").tobytes() + np.where(BOX.faces == 7, 8, BOX.faces).astype("<u2").tobytes()
     uri = "data:;base64," + base64.b64encode(data).decode()
     (tmp_path / "cup.gltf").write_text(gltf(buffers__0__uri=uri))
     refused(tmp_path / "cup.gltf", r"'cup' face \d+: vertex index out of range")

@@ -99,9 +99,7 @@ def by_hand(tmp_path, body):
 
 
 def test_by_hand_the_nearest_face_and_part_are_taken(by_hand):
-    demo = load_demonstration(
-        by_hand(category="bucket", up=[0, 0, 1], graspable=["part_1"], scale_to_metres=1)
-    )
+    demo = load_demonstration(by_hand(category="bucket", up=[0, 0, 1], graspable=["part_1"], scale_to_metres=1))
     assert demo.name == "bucket"
     assert_allclose(demo.contact.point, [0.04, 0.04, 0.1], atol=1e-7)
     assert demo.contact.normal.tolist() == [0, 0, 1]

@@ -124,9 +124,7 @@ def test_as_object_takes_what_people_have(tmp_path, body, handle, cup):
     moved[2, 3] = 7
     scene = trimesh.Scene()
     scene.add_geometry(mesh, geom_name="handle")
-    scene.add_geometry(
-        trimesh.Trimesh(body.vertices, body.faces, process=False), geom_name="body", transform=moved
-    )
+    scene.add_geometry(trimesh.Trimesh(body.vertices, body.faces, process=False), geom_name="body", transform=moved)
     parts = as_object(scene).parts
     assert [p.name for p in parts] == ["handle", "body"]
     assert_allclose(parts[1].vertices, body.vertices + np.array([0, 0, 7]))
@@ -155,8 +153,6 @@ def test_importing_is_cheap():
     import subprocess
     import sys
 
-    code = (
-        "import sys, graft.io; print([m for m in ('trimesh', 'scipy', 'lxml', 'mujoco') if m in sys.modules])"
-    )
+    code = "import sys, graft.io; print([m for m in ('trimesh', 'scipy', 'lxml', 'mujoco') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -57,9 +57,7 @@ def read_dae(path: Path) -> tuple[list[RawMesh], tuple[float, float, float]]:
     by_id = {element.get("id"): element for element in root.iter() if element.get("id") is not None}
     scene = root.find("scene/instance_visual_scene")
     top = (
-        _named(by_id, scene.get("url"), path)
-        if scene is not None
-        else root.find("library_visual_scenes/visual_scene")
+        _named(by_id, scene.get("url"), path) if scene is not None else root.find("library_visual_scenes/visual_scene")
     )
     if top is None:
         raise InputError("no visual_scene", path=path)
@@ -130,9 +128,7 @@ def _transform(node: Any, path: Path) -> Floats:
             x, y, z, degrees = _numbers(element, 4, path)
             length = float(np.hypot(np.hypot(x, y), z))
             if not length > 0:
-                raise InputError(
-                    f"line {element.sourceline}: <rotate>: expected an axis, got zero", path=path
-                )
+                raise InputError(f"line {element.sourceline}: <rotate>: expected an axis, got zero", path=path)
             skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) / length
             angle = np.radians(degrees)
             step[:3, :3] += np.sin(angle) * skew + (1 - np.cos(angle)) * skew @ skew
