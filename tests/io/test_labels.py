@@ -161,9 +161,7 @@ def test_labelled_clouds(tmp_path, kind):
             "property int label",
         ]
         head = ["ply", "format ascii 1.0", "element vertex 30", *properties, "end_header\n"]
-        rows = "".join(
-            " ".join(map(repr, row)) + "\n" for row in np.c_[CLOUD, NORMALS, POINT_LABELS].tolist()
-        )
+        rows = "".join(" ".join(map(repr, row)) + "\n" for row in np.c_[CLOUD, NORMALS, POINT_LABELS].tolist())
         path.write_text("\n".join(head) + rows)
     obj = load_object(path)
     assert obj.part_names == ("part_4", "part_9")

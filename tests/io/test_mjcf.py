@@ -183,8 +183,7 @@ def test_up_is_against_gravity(tmp_path):
     [
         # menagerie: visuals in group 2 without contact, collisions in group 3
         (
-            "<geom name='v' size='1' group='2' contype='0' conaffinity='0'/>"
-            "<geom name='c' size='1' group='3'/>",
+            "<geom name='v' size='1' group='2' contype='0' conaffinity='0'/><geom name='c' size='1' group='3'/>",
             "v",
         ),
         # robosuite: collisions in group 0, visuals in group 1

@@ -56,9 +56,7 @@ def test_meshes_with_meshdir_scale_refpos_and_their_own_frame(tmp_path):
 
 def test_strippath_and_assetdir(tmp_path):
     box_file(tmp_path / "assets/box.obj")
-    asset = (
-        "<compiler assetdir='assets' strippath='true'/><asset><mesh name='b' file='/a/b/box.obj'/></asset>"
-    )
+    asset = "<compiler assetdir='assets' strippath='true'/><asset><mesh name='b' file='/a/b/box.obj'/></asset>"
     assert load_mjcf(write(tmp_path, body("<geom type='mesh' mesh='b'/>", asset))).part_names == ("b",)
 
 
@@ -105,6 +103,4 @@ def test_signed_distance_shapes_give_the_mesh_that_mujoco_makes_of_them(tmp_path
 def test_textures_are_not_needed(tmp_path):
     asset = """<asset><texture name="t" type="2d" file="absent.png"/>
     <material name="m" texture="t"/></asset>"""
-    assert load_mjcf(write(tmp_path, body("<geom name='g' size='1' material='m'/>", asset))).part_names == (
-        "g",
-    )
+    assert load_mjcf(write(tmp_path, body("<geom name='g' size='1' material='m'/>", asset))).part_names == ("g",)

@@ -25,9 +25,7 @@ def test_asset_root_is_the_package_or_the_folder_or_what_holds_an_urdf_folder(tm
     assert asset_root(tmp_path / "some/urdf/deep/robot.urdf") == tmp_path
 
 
-@pytest.mark.parametrize(
-    "address", ["m/a.stl", "m\\a.stl", "./m/a.stl", "file://{here}/m/a.stl", "{here}/m/a.stl"]
-)
+@pytest.mark.parametrize("address", ["m/a.stl", "m\\a.stl", "./m/a.stl", "file://{here}/m/a.stl", "{here}/m/a.stl"])
 def test_relative_and_absolute_paths_inside_the_root(tmp_path, address):
     mesh = put(tmp_path / "m/a.stl")
     found = AssetPaths(tmp_path / "r.urdf").find(address.format(here=tmp_path))

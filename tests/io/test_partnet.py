@@ -11,8 +11,7 @@ from graft.io.partnet import is_partnet, load_partnet
 
 # A cabinet as PartNet-Mobility writes one: the base's joint stands meshes up, visuals bear instances' names.
 VISUAL = (
-    "<visual name='{0}'><origin xyz='0 0 0'/>"
-    "<geometry><mesh filename='textured_objs/{1}.obj'/></geometry></visual>"
+    "<visual name='{0}'><origin xyz='0 0 0'/><geometry><mesh filename='textured_objs/{1}.obj'/></geometry></visual>"
 )
 CABINET = f"""<?xml version="1.0" ?>
 <robot name="partnet_cabinet">

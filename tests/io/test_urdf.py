@@ -142,9 +142,7 @@ def test_collisions_serve_only_where_there_are_no_visuals(tmp_path):
 
 def test_mesh_scale_and_mirror(tmp_path):
     box_file(tmp_path / "meshes/box.obj")
-    (part,) = load_urdf(
-        write(tmp_path, robot(mesh_link("meshes/box.obj", attributes="scale='1 2 -3'")))
-    ).parts
+    (part,) = load_urdf(write(tmp_path, robot(mesh_link("meshes/box.obj", attributes="scale='1 2 -3'")))).parts
     assert part.name == "box"
     np.testing.assert_allclose(np.ptp(part.vertices, axis=0), (0.2, 0.8, 1.8))
     mesh = trimesh.Trimesh(part.vertices, part.faces)
@@ -196,13 +194,9 @@ def test_missing_meshes_are_summed_up(tmp_path):
     with pytest.raises(InputError) as caught:
         load_urdf(path)
     message = str(caught.value)
-    assert message.startswith(
-        f"{path}: line 1: 5 meshes are missing: m0.obj (tried {tmp_path}/m0.obj); m1.obj"
-    )
+    assert message.startswith(f"{path}: line 1: 5 meshes are missing: m0.obj (tried {tmp_path}/m0.obj); m1.obj")
     assert message.endswith("and 2 more")
-    with pytest.warns(
-        InputWarning, match=r"5 meshes are missing and left out: m0.obj, m1.obj, m2.obj and 2 more"
-    ):
+    with pytest.warns(InputWarning, match=r"5 meshes are missing and left out: m0.obj, m1.obj, m2.obj and 2 more"):
         obj = load_urdf(path, missing="skip")
     assert obj.part_names == ("base_box",)
     assert obj.notes[0].startswith("5 meshes are missing")

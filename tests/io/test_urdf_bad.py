@@ -10,9 +10,7 @@ SPHERE = "<visual><geometry><sphere radius='1'/></geometry></visual>"
 
 def joint(parent, child, inner="", kind="fixed", name=None):
     name = name or f"{parent}_{child}"
-    return (
-        f"<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>{inner}</joint>"
-    )
+    return f"<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>{inner}</joint>"
 
 
 def links(*names):

@@ -50,9 +50,7 @@ def read_npz_mesh(path: Path) -> list[RawMesh]:
         raise InputError(f"{key}: expected shape (n, 3), got {points.shape} of {points.dtype}", path=path)
     faces = arrays.get("faces", np.empty((0, 3), np.int64))
     if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
-        raise InputError(
-            f"faces: expected integers of shape (f, 3), got {faces.shape} of {faces.dtype}", path=path
-        )
+        raise InputError(f"faces: expected integers of shape (f, 3), got {faces.shape} of {faces.dtype}", path=path)
     faces = faces.astype(np.int64)
     check_range(faces, len(points))
     normals = arrays.get("normals")

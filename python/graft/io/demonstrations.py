@@ -122,9 +122,7 @@ def save_demonstration(demonstration: Demonstration, folder: str | Path) -> None
             raise InputError("expected a folder, it is a file", path=folder)
         others = sorted(p.name for p in folder.iterdir() if p.name not in (OBJECT_FILE, DEMONSTRATION_FILE))
         if others:
-            raise InputError(
-                f"the folder holds other files, nothing is written: {', '.join(others[:5])}", path=folder
-            )
+            raise InputError(f"the folder holds other files, nothing is written: {', '.join(others[:5])}", path=folder)
     document = {
         "schema": SCHEMA,
         "name": demonstration.name,
@@ -184,9 +182,7 @@ def _vector(words: dict[str, Any], key: str, where: str, path: Path) -> Floats |
     value = words.get(key)
     if value is None:
         return None
-    numbers = isinstance(value, list) and all(
-        isinstance(v, int | float) and not isinstance(v, bool) for v in value
-    )
+    numbers = isinstance(value, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in value)
     if not numbers or len(value) != 3 or not np.isfinite(np.array(value, np.float64)).all():
         raise InputError(f"{where}{key}: expected three numbers, got {str(value)[:60]!r}", path=path)
     return np.array(value, np.float64)

@@ -83,9 +83,7 @@ def load_mesh_file(path: Path, *, alone: bool | None = None) -> PartObject:
     if path.suffix.lower() in (".glb", ".gltf"):
         obj = replace(obj, up=np.array(UP), scale_to_metres=1.0)
     if numbers is None and len(meshes) == 1 and words.part_names is not None and len(words.part_names) == 1:
-        obj = replace(
-            obj, parts=(replace(obj.parts[0], name=words.part_names[0], label=words.part_names[0]),)
-        )
+        obj = replace(obj, parts=(replace(obj.parts[0], name=words.part_names[0], label=words.part_names[0]),))
     return _with_words(obj, words, path, numbers)
 
 
@@ -112,9 +110,7 @@ def assemble(name: str, meshes: list[RawMesh], *, path: Path, notes: tuple[str, 
     return obj
 
 
-def _with_words(
-    obj: PartObject, words: ObjectWords, path: Path, numbers: list[int] | None = None
-) -> PartObject:
+def _with_words(obj: PartObject, words: ObjectWords, path: Path, numbers: list[int] | None = None) -> PartObject:
     """Add what object.json says; `numbers` are the label numbers of the parts, their own order when None."""
     places = {number: i for i, number in enumerate(range(len(obj.parts)) if numbers is None else numbers)}
     notes = list(obj.notes)
@@ -153,9 +149,7 @@ def _load_gltf(path: Path) -> PartObject:
 def _own(obj: PartObject, extras: dict[str, Any], parts: list[dict[str, Any]], path: Path) -> PartObject:
     """Give an object read from graft's own GLB back what the extras keep."""
     if extras["schema"] != GRAFT_SCHEMA:
-        raise InputError(
-            f"graft schema {extras['schema']!r} is not read, {GRAFT_SCHEMA} is: a newer graft wrote it"
-        )
+        raise InputError(f"graft schema {extras['schema']!r} is not read, {GRAFT_SCHEMA} is: a newer graft wrote it")
     up = extras.get("up")
     named = tuple(
         replace(

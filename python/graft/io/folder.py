@@ -80,9 +80,7 @@ def _one_mesh_per_part(folder: Path, paths: list[Path]) -> PartObject:
     stems = [path.stem for path in paths]
     for first, second in pairwise(paths):
         if first.stem == second.stem:
-            raise InputError(
-                f"duplicate part name {first.stem!r}: {first.name} and {second.name}", path=folder
-            )
+            raise InputError(f"duplicate part name {first.stem!r}: {first.name} and {second.name}", path=folder)
     words_file = folder / "object.json"
     words = read_object_words(words_file) if words_file.is_file() else ObjectWords()
     if words.part_names is not None:
@@ -93,9 +91,7 @@ def _one_mesh_per_part(folder: Path, paths: list[Path]) -> PartObject:
             )
         paths = [paths[stems.index(name)] for name in words.part_names]
     if any(g >= len(paths) for g in words.graspable):
-        raise InputError(
-            f"graspable_parts {list(words.graspable)}: there are {len(paths)} parts", path=words_file
-        )
+        raise InputError(f"graspable_parts {list(words.graspable)}: there are {len(paths)} parts", path=words_file)
     obj = assemble(
         words.name or folder.resolve().name,
         [merged(path.stem, read_raw(path)) for path in paths],

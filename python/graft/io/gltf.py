@@ -100,9 +100,7 @@ def _transform(node: dict[str, Any], index: int, path: Path) -> Floats:
         x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), np.float64)
         length = x * x + y * y + z * z + w * w
         if not length > 0:
-            raise InputError(
-                f"node {index} rotation: expected a quaternion, got length {length:g}", path=path
-            )
+            raise InputError(f"node {index} rotation: expected a quaternion, got length {length:g}", path=path)
         s = 2.0 / length
         rotation = np.array(
             [

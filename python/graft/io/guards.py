@@ -122,9 +122,7 @@ def parse_json(text: str | bytes, *, path: str | Path, what: str = "document") -
         InputError: It is not JSON, not an object, or holds NaN or infinity; the message has the line.
     """
     if len(text) > MAX_TEXT_BYTES:
-        raise InputError(
-            f"the {what} has {len(text)} bytes, more than the {MAX_TEXT_BYTES} that are read", path=path
-        )
+        raise InputError(f"the {what} has {len(text)} bytes, more than the {MAX_TEXT_BYTES} that are read", path=path)
 
     def refuse(constant: str) -> None:
         raise ValueError(f"{constant} is not a JSON number")

@@ -32,9 +32,7 @@ def read_raw(path: str | Path) -> list[RawMesh]:
             return read_ply(path)
         if suffix == ".stl":
             return read_stl(path)
-    raise InputError(
-        f"unknown mesh format {suffix!r}: the known ones are {', '.join(MESH_SUFFIXES)}", path=path
-    )
+    raise InputError(f"unknown mesh format {suffix!r}: the known ones are {', '.join(MESH_SUFFIXES)}", path=path)
 
 
 def read_mesh(path: str | Path) -> list[Piece]:

@@ -68,10 +68,7 @@ def load_mjcf(
     model = _compiled(mujoco, path, notes)
     data = mujoco.MjData(model)  # its qpos is qpos0
     mujoco.mj_kinematics(model, data)
-    bodies = [
-        _body(mujoco, model, data, body, geoms)
-        for body, geoms in enumerate(_kept_geoms(mujoco, model, notes))
-    ]
+    bodies = [_body(mujoco, model, data, body, geoms) for body, geoms in enumerate(_kept_geoms(mujoco, model, notes))]
     try:
         made, joints = parts_and_joints(bodies, whole=PARTS_CHOICES[parts])
     except InputError as error:

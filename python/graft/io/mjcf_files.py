@@ -131,9 +131,7 @@ def _inside(model: _Model, file: Path, element: Any, base: Path, reference: str)
         raise at_line(file, element, f"<{element.tag}> {reference!r}: {message}") from None
     if target.stat().st_size > MAX_FILE_BYTES:
         size = target.stat().st_size
-        raise at_line(
-            file, element, f"{reference!r} has {size} bytes, more than the {MAX_FILE_BYTES} that are read"
-        )
+        raise at_line(file, element, f"{reference!r} has {size} bytes, more than the {MAX_FILE_BYTES} that are read")
     return target
 
 
@@ -144,9 +142,7 @@ def _check_counts(file: Path, element: Any) -> None:
             if around.tag in COPYING:
                 copies *= _product(around.get("count", "1"))
         if copies > MAX_COPIES:
-            raise at_line(
-                file, element, f"<{element.tag}> makes {copies} copies, more than the {MAX_COPIES} allowed"
-            )
+            raise at_line(file, element, f"<{element.tag}> makes {copies} copies, more than the {MAX_COPIES} allowed")
     names = element.attrib if element.tag == "size" else RESERVING.get(element.tag, ())
     reserved = 1
     for name in names:
@@ -154,18 +150,14 @@ def _check_counts(file: Path, element: Any) -> None:
             count = _product(element.get(name, "1"))
             reserved = max(reserved, count) if element.tag == "size" else reserved * count
     if reserved > MAX_COUNT:
-        raise at_line(
-            file, element, f"<{element.tag}> reserves {reserved} elements, more than the {MAX_COUNT} allowed"
-        )
+        raise at_line(file, element, f"<{element.tag}> reserves {reserved} elements, more than the {MAX_COUNT} allowed")
 
 
 def _check_numbers(file: Path, element: Any) -> None:
     """Refuse NaN, which MuJoCo lets pass, and reversed ranges of joints, which it takes for no range."""
     for name, text in element.attrib.items():
         if name not in NAMING and "nan" in text.lower().split():
-            raise at_line(
-                file, element, f"<{element.tag}> {name}: expected finite numbers, got {text[:80]!r}"
-            )
+            raise at_line(file, element, f"<{element.tag}> {name}: expected finite numbers, got {text[:80]!r}")
     if element.tag == "joint" and element.get("range") is not None:
         try:
             lower, upper = (float(word) for word in element.get("range").split())

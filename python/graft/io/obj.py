@@ -77,9 +77,7 @@ def _corners(rest: str, n_vertices: int, number: int, path: Path) -> list[int]:
     try:
         indices = [int(word.partition("/")[0]) for word in rest.split()]
     except ValueError:
-        raise InputError(
-            f"line {number}: expected a face of vertex numbers, got {rest[:60]!r}", path=path
-        ) from None
+        raise InputError(f"line {number}: expected a face of vertex numbers, got {rest[:60]!r}", path=path) from None
     if 0 in indices:
         raise InputError(f"line {number}: vertex number 0; they count from 1", path=path)
     if len(indices) < 3:

@@ -89,9 +89,7 @@ def _instances(body: Body, semantics: Mapping[str, str], leaves: Mapping[str, st
         groups.setdefault(name, []).append(piece)
     for name, pieces in groups.items():
         instance = INSTANCE.fullmatch(name)
-        label = (
-            instance["label"] if instance else semantics.get(body.name, name) if len(groups) == 1 else name
-        )
+        label = instance["label"] if instance else semantics.get(body.name, name) if len(groups) == 1 else name
         yield replace(merged_piece(name, pieces), label=label)
 
 
@@ -118,9 +116,7 @@ def _semantics(path: Path) -> dict[str, str]:
         if not words:
             continue
         if len(words) != 3:
-            raise InputError(
-                f"line {number}: expected link, joint kind and name, got {line[:80]!r}", path=path
-            )
+            raise InputError(f"line {number}: expected link, joint kind and name, got {line[:80]!r}", path=path)
         names[words[0]] = words[2]
     return names
 
@@ -140,11 +136,7 @@ def _leaves(path: Path) -> dict[str, str]:
         if not isinstance(node, dict) or not isinstance(node.get("children", []), list):
             raise InputError("expected a hierarchy of parts with children", path=path)
         stack.extend(node.get("children", []))
-        if (
-            isinstance(node.get("name"), str)
-            and isinstance(node.get("objs", []), list)
-            and "children" not in node
-        ):
+        if isinstance(node.get("name"), str) and isinstance(node.get("objs", []), list) and "children" not in node:
             for mesh in node.get("objs", []):
                 names[str(mesh)] = f"{node['name']}-{node.get('id', 0)}"
     return names

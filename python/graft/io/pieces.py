@@ -61,9 +61,7 @@ class RawMesh:
     @property
     def n_polygons(self) -> int:
         """Number of faces as the file counts them."""
-        return (
-            len(self.faces) if self.polygon is None else int(self.polygon[-1]) + 1 if len(self.polygon) else 0
-        )
+        return len(self.faces) if self.polygon is None else int(self.polygon[-1]) + 1 if len(self.polygon) else 0
 
     def with_faces(self, name: str, chosen: Ints) -> RawMesh:
         """Return the piece of surface made of the triangles `chosen`, under another name."""
@@ -105,9 +103,7 @@ def check_range(faces: Ints, n_vertices: int, what: str = "face") -> None:
     wrong = (faces < 0) | (faces >= n_vertices)
     if wrong.any():
         row = int(np.flatnonzero(wrong.any(axis=1))[0])
-        raise InputError(
-            f"{what} {row}: vertex index out of range, {faces[row].tolist()} of {n_vertices} vertices"
-        )
+        raise InputError(f"{what} {row}: vertex index out of range, {faces[row].tolist()} of {n_vertices} vertices")
 
 
 def merged(name: str, meshes: list[RawMesh]) -> RawMesh:

@@ -69,9 +69,7 @@ def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
         raise InputError(f"{name}: expected one of {', '.join(choices)}, got {value!r}")
 
 
-def parts_and_joints(
-    bodies: Sequence[Body], *, whole: bool | None
-) -> tuple[tuple[Part, ...], tuple[Joint, ...]]:
+def parts_and_joints(bodies: Sequence[Body], *, whole: bool | None) -> tuple[tuple[Part, ...], tuple[Joint, ...]]:
     """Make parts and joints of `bodies`.
 
     Bodies without geometry disappear: the first body fixed to one stands for it, and where there is none its
@@ -112,12 +110,9 @@ def parts_and_joints(
             continue
         parent, child = surfaces.closest(owned[ancestor], owned[index])
         if not freedoms:
-            joints.append(
-                Joint(parent, child, "fixed", bodies[index].fixed_name, origin=bodies[index].origin)
-            )
+            joints.append(Joint(parent, child, "fixed", bodies[index].fixed_name, origin=bodies[index].origin))
         joints.extend(
-            Joint(parent, child, f.kind, f.name, axis=f.axis, origin=f.origin, limits=f.limits)
-            for f in freedoms
+            Joint(parent, child, f.kind, f.name, axis=f.axis, origin=f.origin, limits=f.limits) for f in freedoms
         )
     return parts, tuple(joints)
 
@@ -137,18 +132,14 @@ def merged_piece(name: str, pieces: Sequence[RigidPiece]) -> RigidPiece:
 def _stand_ins(bodies: Sequence[Body]) -> list[int | None]:
     """Return for every body itself, or the first body with geometry that is fixed below it, or None."""
     stands: list[int | None] = [index if body.pieces else None for index, body in enumerate(bodies)]
-    for index in range(
-        len(bodies) - 1, 0, -1
-    ):  # children before parents; the first child is the last to write
+    for index in range(len(bodies) - 1, 0, -1):  # children before parents; the first child is the last to write
         parent = bodies[index].parent
         if parent is not None and not bodies[parent].pieces and not bodies[index].freedoms:
             stands[parent] = stands[index] if stands[index] is not None else stands[parent]
     return stands
 
 
-def _to_ancestor(
-    bodies: Sequence[Body], stands: Sequence[int | None], index: int
-) -> tuple[int | None, list[Freedom]]:
+def _to_ancestor(bodies: Sequence[Body], stands: Sequence[int | None], index: int) -> tuple[int | None, list[Freedom]]:
     """Return the nearest ancestor with geometry (or its stand-in) and the joints from there to `index`."""
     freedoms = list(bodies[index].freedoms)
     ancestor = bodies[index].parent

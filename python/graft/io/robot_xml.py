@@ -54,9 +54,7 @@ def at_line(path: Path, element: Any, message: str) -> InputError:
     return InputError(f"line {element.sourceline}: {message}", path=path)
 
 
-def numbers(
-    path: Path, element: Any, attribute: str, count: int, default: Sequence[float] | None = None
-) -> Floats:
+def numbers(path: Path, element: Any, attribute: str, count: int, default: Sequence[float] | None = None) -> Floats:
     """Return the `count` numbers in an attribute of the lxml `element`.
 
     Raises:
@@ -73,9 +71,7 @@ def numbers(
     if len(values) != count or not np.isfinite(values).all():
         raise at_line(path, element, f"{element.tag} {attribute}: expected {expected}, got {_shown(text)}")
     if (np.abs(values) > LARGEST_NUMBER).any():
-        raise at_line(
-            path, element, f"{element.tag} {attribute}: beyond {LARGEST_NUMBER:g}, got {_shown(text)}"
-        )
+        raise at_line(path, element, f"{element.tag} {attribute}: beyond {LARGEST_NUMBER:g}, got {_shown(text)}")
     return values
 
 

@@ -195,9 +195,7 @@ def _obj_bytes(obj: PartObject, path: Path) -> bytes:
     start = 1
     for part in obj.parts:
         if part.is_point_cloud:
-            raise InputError(
-                f"part {part.name!r} is a point cloud, which OBJ has no faces for: use .glb", path=path
-            )
+            raise InputError(f"part {part.name!r} is a point cloud, which OBJ has no faces for: use .glb", path=path)
         lines.append(f"o {part.name}")
         lines.extend(f"v {x!r} {y!r} {z!r}" for x, y, z in part.vertices.tolist())
         lines.extend(f"f {a} {b} {c}" for a, b, c in (part.faces + start).tolist())

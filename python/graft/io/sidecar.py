@@ -70,9 +70,7 @@ def read_object_words(path: Path) -> ObjectWords:
             path=path,
         )
     up = words.get("up_axis")
-    if up is not None and not (
-        isinstance(up, list) and len(up) == 3 and all(map(_is_number, up)) and any(up)
-    ):
+    if up is not None and not (isinstance(up, list) and len(up) == 3 and all(map(_is_number, up)) and any(up)):
         raise wrong("up_axis", "three numbers that are not all zero, or null")
     scale = words.get("scale_to_metres")
     if scale is not None and not (_is_number(scale) and scale > 0):
@@ -126,9 +124,7 @@ def read_labels(path: Path) -> Ints:
     except (ValueError, OverflowError):
         for number, word in enumerate(words, start=1):
             if not word.lstrip("+-").isdecimal() or len(word) > 18:
-                raise InputError(
-                    f"label {number}: expected a whole number, got {word[:40]!r}", path=path
-                ) from None
+                raise InputError(f"label {number}: expected a whole number, got {word[:40]!r}", path=path) from None
         raise
 
 
@@ -138,9 +134,7 @@ def label_array(arrays: dict[str, Array], path: Path) -> Array:
     if key is None and len(arrays) == 1:
         key = next(iter(arrays))
     if key is None:
-        raise InputError(
-            f"no array called {' or '.join(LABEL_KEYS)} among {', '.join(arrays) or 'none'}", path=path
-        )
+        raise InputError(f"no array called {' or '.join(LABEL_KEYS)} among {', '.join(arrays) or 'none'}", path=path)
     return arrays[key]
 
 
@@ -153,9 +147,7 @@ def whole_numbers(values: Array, path: Path) -> Ints:
     if values.ndim == 2 and 1 in values.shape:
         values = values.ravel()
     if values.ndim != 1 or values.dtype.kind not in "iufb":
-        raise InputError(
-            f"labels: expected one number each, got shape {values.shape} of {values.dtype}", path=path
-        )
+        raise InputError(f"labels: expected one number each, got shape {values.shape} of {values.dtype}", path=path)
     if values.dtype.kind == "f" and not (np.isfinite(values).all() and (values == np.round(values)).all()):
         raise InputError("labels: expected whole numbers", path=path)
     return values.astype(np.int64)

@@ -188,9 +188,7 @@ def _pieces(
         with np.errstate(over="ignore", invalid="ignore"):
             vertices = (vertices * visual.scale) @ T_object_visual[:3, :3].T + T_object_visual[:3, 3]
         if not np.isfinite(vertices).all():
-            raise at_line(
-                path, visual.element, f"visual {name!r} of link {link.name!r}: its coordinates overflow"
-            )
+            raise at_line(path, visual.element, f"visual {name!r} of link {link.name!r}: its coordinates overflow")
         yield RigidPiece(name, vertices, faces, notes=notes, named=bool(visual.name))
 
 

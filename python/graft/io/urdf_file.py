@@ -119,17 +119,13 @@ def parse_robot(path: Path, root: Element) -> Robot:
             raise at_line(path, element, f"duplicate joint name {joint.name!r}")
         if joint.child in above:
             other = above[joint.child].name
-            raise at_line(
-                path, element, f"link {joint.child!r} has two parents, joints {other!r} and {joint.name!r}"
-            )
+            raise at_line(path, element, f"link {joint.child!r} has two parents, joints {other!r} and {joint.name!r}")
         names.add(joint.name)
         above[joint.child] = joint
     return Robot(_ordered(path, root, links, above), above)
 
 
-def _ordered(
-    path: Path, root: Element, links: Mapping[str, Link], above: Mapping[str, LinkJoint]
-) -> tuple[Link, ...]:
+def _ordered(path: Path, root: Element, links: Mapping[str, Link], above: Mapping[str, LinkJoint]) -> tuple[Link, ...]:
     """Return the links, parents before children, else in the order of the file."""
     roots = [name for name in links if name not in above]
     children: dict[str, list[str]] = {name: [] for name in links}
@@ -207,9 +203,7 @@ def _visual(path: Path, element: Element, link_name: str) -> Visual:
 def _sizes(path: Path, element: Element, attribute: str, count: int) -> tuple[float, ...]:
     values = numbers(path, element, attribute, count)
     if (values <= 0).any():
-        raise at_line(
-            path, element, f"{element.tag} {attribute}: expected above zero, got {element.get(attribute)!r}"
-        )
+        raise at_line(path, element, f"{element.tag} {attribute}: expected above zero, got {element.get(attribute)!r}")
     return tuple(values.tolist())
 
 
