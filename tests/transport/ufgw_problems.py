@@ -81,7 +81,8 @@ def objective(
 
 
 def linearised(pair, T, *, alpha=0.5, loss="square"):
-    """Return C = (1-alpha) C_GW(T) + alpha M, C_GW by central differences of the four loops (exact: quadratic)."""
+    """Return C = (1-alpha) C_GW(T) + alpha M, C_GW by central differences of the four loops (exact:
+    quadratic)."""
     gradient = np.empty_like(T)
     for index in np.ndindex(T.shape):
         step = np.zeros_like(T)
