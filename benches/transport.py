@@ -1,5 +1,4 @@
-"""Unbalanced fused Gromov-Wasserstein: graft, POT and the paper's algorithm in NumPy, on the same problems
-in one run.
+"""UFGW by graft, by POT and by the paper's algorithm in NumPy, on the same problems in one run.
 
     python benches/transport.py [--pairs 64] [--save benches/results/DATE-transport.txt]
 

@@ -89,9 +89,8 @@ class UFGW:
             )
         for source, part in zip(sources, source_parts, strict=True):
             if not 0 <= part < len(source.centers):
-                raise InputError(
-                    f"source_part: expected 0 to {len(source.centers) - 1} in {source.object.name}, got {part}"
-                )
+                last = len(source.centers) - 1
+                raise InputError(f"source_part: expected 0 to {last} in {source.object.name}, got {part}")
         if not sources:
             return []
         prior = target_prior(target)

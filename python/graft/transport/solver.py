@@ -222,12 +222,12 @@ def ufgw_batch(
     mus = [_array("mu", x, None, k, pairs) for k, x in enumerate(mu)]
     nus = [_array("nu", x, None, k, pairs) for k, x in enumerate(nu)]
     sizes = [(len(s), len(t)) for s, t in zip(mus, nus, strict=True)]
-    shapes = {
-        "M": sizes,
+    shapes: dict[str, list[tuple[int, ...]]] = {
+        "M": [(n, m) for n, m in sizes],
         "A": [(n, n) for n, _ in sizes],
         "B": [(m, m) for _, m in sizes],
         "prior": [(m,) for _, m in sizes],
-        "start": sizes,
+        "start": [(n, m) for n, m in sizes],
     }
 
     def packed(name: str, arrays: Sequence[ArrayLike]) -> Floats:
