@@ -43,9 +43,7 @@ def test_splitting_a_target_node_splits_its_column(em_rate):
     split = [0, 1, 2, 3, 3]
     nu = pair.nu[split] * np.array([1, 1, 1, 0.3, 0.7])
     whole = ufgw(*pair.data, em_rate=em_rate, **TIGHT)
-    halves = ufgw(
-        pair.M[:, split], pair.A, pair.B[np.ix_(split, split)], pair.mu, nu, em_rate=em_rate, **TIGHT
-    )
+    halves = ufgw(pair.M[:, split], pair.A, pair.B[np.ix_(split, split)], pair.mu, nu, em_rate=em_rate, **TIGHT)
     np.testing.assert_allclose(halves.plan[:, 3] + halves.plan[:, 4], whole.plan[:, 3], atol=1e-9)
     np.testing.assert_allclose(halves.plan[:, 4], 0.7 * whole.plan[:, 3], atol=1e-9)
     assert halves.objective == pytest.approx(whole.objective, rel=1e-10)

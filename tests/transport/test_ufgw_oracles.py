@@ -57,9 +57,7 @@ def test_one_node_each_by_lambert_w():
     base = (tau_s * np.log(p) + tau_t * np.log(q) + eps * np.log(p * q) - alpha * a) / pull
     curvature = (1 - alpha) * length**2 / pull
     expected = lambertw(curvature * np.exp(base)).real / curvature
-    found = ufgw(
-        [[a]], [[length]], [[0.0]], [p], [q], alpha=alpha, tau_s=tau_s, tau_t=tau_t, eps=eps, tol=1e-13
-    )
+    found = ufgw([[a]], [[length]], [[0.0]], [p], [q], alpha=alpha, tau_s=tau_s, tau_t=tau_t, eps=eps, tol=1e-13)
     assert found.converged
     np.testing.assert_allclose(found.plan[0, 0], expected, rtol=1e-12)
 
@@ -119,9 +117,7 @@ def test_fixed_points_satisfy_the_optimality_conditions(options, symmetric):
     eps = options.get("eps", 0.05)
     shared = {k: v for k, v in options.items() if k in ("alpha", "loss")}
     C = linearised(pair, found.plan, **shared)
-    R = {"relative": np.outer(pair.mu, pair.nu), "plain": np.exp(-1.0), "unit": 1.0}[
-        options.get("entropy", "relative")
-    ]
+    R = {"relative": np.outer(pair.mu, pair.nu), "plain": np.exp(-1.0), "unit": 1.0}[options.get("entropy", "relative")]
     np.testing.assert_allclose(
         found.plan, R * np.exp((found.f[:, None] + found.g[None] - C) / eps), rtol=1e-7, atol=1e-14
     )

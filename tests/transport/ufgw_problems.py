@@ -64,9 +64,7 @@ def kl(p, q):
     return float((p[positive] * np.log(p[positive] / q[positive])).sum() - p.sum() + q.sum())
 
 
-def objective(
-    pair, T, nu=None, *, alpha=0.5, tau_s=1.0, tau_t=1.0, eps=0.05, loss="square", entropy="relative"
-):
+def objective(pair, T, nu=None, *, alpha=0.5, tau_s=1.0, tau_t=1.0, eps=0.05, loss="square", entropy="relative"):
     """Return F(T), straight from its definition."""
     nu = pair.nu if nu is None else nu
     reference = {

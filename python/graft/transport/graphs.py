@@ -75,18 +75,14 @@ class UFGW:
         """
         return self.batch([source], [source_part], target)[0]
 
-    def batch(
-        self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph
-    ) -> list[Transport]:
+    def batch(self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph) -> list[Transport]:
         """Match many sources against one target, in order.
 
         Raises:
             InputError: As `__call__`, or as many parts as sources are not given.
         """
         if len(sources) != len(source_parts):
-            raise InputError(
-                f"source_parts: expected {len(sources)}, one per source, got {len(source_parts)}"
-            )
+            raise InputError(f"source_parts: expected {len(sources)}, one per source, got {len(source_parts)}")
         for source, part in zip(sources, source_parts, strict=True):
             if not 0 <= part < len(source.centers):
                 last = len(source.centers) - 1

@@ -65,13 +65,7 @@ impl Point {
     /// An empty point of a problem's size.
     #[must_use]
     pub fn zeros(n: usize, m: usize) -> Self {
-        Self {
-            plan: vec![0.0; n * m],
-            u: vec![0.0; n],
-            v: vec![0.0; m],
-            gradient: vec![0.0; n * m],
-            entropy: 0.0,
-        }
+        Self { plan: vec![0.0; n * m], u: vec![0.0; n], v: vec![0.0; m], gradient: vec![0.0; n * m], entropy: 0.0 }
     }
 
     /// Recompute both marginals.

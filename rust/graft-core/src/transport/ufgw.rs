@@ -228,9 +228,8 @@ fn make_feasible(problem: &Problem, options: &Options, nu: &[f64], point: &mut P
         }
         point.sum();
     }
-    let missing = |want: &[f64], have: &[f64]| -> Vec<f64> {
-        want.iter().zip(have).map(|(w, h)| (w - h).max(0.0)).collect()
-    };
+    let missing =
+        |want: &[f64], have: &[f64]| -> Vec<f64> { want.iter().zip(have).map(|(w, h)| (w - h).max(0.0)).collect() };
     // Where one side only is fixed, only rows or columns that had no mass at all still miss theirs: spread it.
     let rows = if fix_rows { missing(&problem.mu, &point.u) } else { problem.mu.clone() };
     let cols = if fix_cols { missing(nu, &point.v) } else { nu.to_vec() };
