@@ -94,9 +94,7 @@ def test_a_contact_is_seen(obj, contact):
     azimuth, elevation, visible = contact_view(obj, contact)
     assert visible >= HIDDEN_BELOW
     shapes = object_shapes(obj, part_colors(len(obj.parts))) + contact_shapes(contact, diagonal(obj))
-    camera = fit(
-        look_from(azimuth, elevation, obj.up), np.concatenate([s.vertices for s in shapes]), 300, 300
-    )
+    camera = fit(look_from(azimuth, elevation, obj.up), np.concatenate([s.vertices for s in shapes]), 300, 300)
     column, row = project(camera, contact.point)
     window = pixels[int(row) - 9 : int(row) + 10, int(column) - 9 : int(column) + 10].astype(int)
     assert reddish(window).mean() > 0.1

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graft import _core
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import FramePair, align_parts
 from graft.library import Match
-from graft.objects import Contact, Floats, Ints, Part
+from graft.objects import Contact, Floats, Ints
 
 SURFACE_SAMPLES = 2048
 """Points of the target part among which the contact is sought; 2048 on a handle are about 1 % of its length apart."""

@@ -106,9 +106,7 @@ def _visible(obj: PartObject, contact: Contact, toward: Floats) -> Floats:
     radius = 1.02 * BALL_RADIUS * diagonal(obj)
     turns = np.arange(12)
     heights = 1.0 - 0.9 * (turns + 0.5) / len(turns)
-    angles = (
-        turns * np.pi * (3.0 - np.sqrt(5.0))
-    )  # the golden angle spreads points over the upper half of the ball
+    angles = turns * np.pi * (3.0 - np.sqrt(5.0))  # the golden angle spreads points over the upper half of the ball
     sides = np.sqrt(1.0 - heights**2)
     local = np.stack([sides * np.cos(angles), sides * np.sin(angles), heights], axis=1)
     outward = local @ frame_along(contact.normal).T

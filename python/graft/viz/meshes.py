@@ -16,9 +16,7 @@ CREASE = np.radians(40.0)
 def surface(shape: Shape, opacity: float = 1.0) -> trimesh.Trimesh | trimesh.PointCloud:
     """Return a shape as a mesh with its colour, vertices doubled along creases; clouds stay clouds."""
     if not len(shape.faces):
-        return trimesh.PointCloud(
-            shape.vertices, colors=np.tile((*shape.color, 255), (len(shape.vertices), 1))
-        )
+        return trimesh.PointCloud(shape.vertices, colors=np.tile((*shape.color, 255), (len(shape.vertices), 1)))
     mesh = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
     if len(mesh.faces) > 1 and mesh.area > 0:
         mesh = trimesh.graph.smooth_shade(mesh, angle=CREASE)

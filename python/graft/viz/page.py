@@ -157,9 +157,7 @@ def _add_names(scene: Any, placed: Placed, obj: PartObject) -> Floats:
         points = shape.vertices @ placed.pose[:3, :3].T + placed.pose[:3, 3]
         nearest = points[int(np.argmin(np.linalg.norm(points - center, axis=1)))]
         color = np.tile(np.array(shape.color, np.uint8), (1, 2, 1))
-        scene.add_line_segments(
-            f"names/{i}/line", np.array([[nearest, spot]], np.float32), color, thickness=0.003
-        )
+        scene.add_line_segments(f"names/{i}/line", np.array([[nearest, spot]], np.float32), color, thickness=0.003)
         name = f"{shape.name} (graspable)" if i in obj.graspable else shape.name
         _label(scene, f"names/{i}/name", name, spot, height=NAME_HEIGHT, anchor="center-left")
     ends: Floats = spots + np.array([0.3, 0.0, 0.0])
@@ -175,9 +173,7 @@ def _label(
     height: float = LABEL_HEIGHT,
     anchor: str = "center-center",
 ) -> None:
-    scene.add_label(
-        name, text, position=position, font_size_mode="scene", font_scene_height=height, anchor=anchor
-    )
+    scene.add_label(name, text, position=position, font_size_mode="scene", font_scene_height=height, anchor=anchor)
 
 
 def _extent(placed: Placed) -> Floats:

@@ -71,9 +71,7 @@ def write(
         draw.text((x, y), shortened(text, size, width), fill=tuple(color), font=font(size))
 
 
-def write_arrow(
-    image: Image.Image, x: int, y: int, first: str, second: str, *, size: int, width: int
-) -> None:
+def write_arrow(image: Image.Image, x: int, y: int, first: str, second: str, *, size: int, width: int) -> None:
     """Write `first`, an arrow and `second`; the font has no arrow, so it is drawn."""
     gap = 2 * size
     half = (width - gap) // 2
