@@ -1,6 +1,8 @@
 """Time, stability and retrieval of the geometric descriptor, per family and in total.
 
-python benches/descriptor.py [--objects FOLDER]: FOLDER holds one folder per object (mesh.ply, parts.seg, object.json).
+python benches/descriptor.py [--objects FOLDER]
+
+FOLDER holds one folder per object (mesh.ply, parts.seg, object.json).
 """
 
 from __future__ import annotations
@@ -97,7 +99,8 @@ def main() -> None:
         )
         name = "total" if len(families) > 1 else families[0]
         print(
-            f"{name:14} {spent:7.2f}  {np.median(turn):.1e} {turn.max():.1e}  {np.median(seed):.4f} {seed.max():.4f}"
+            f"{name:14} {spent:7.2f}  {np.median(turn):.1e} {turn.max():.1e}  "
+            f"{np.median(seed):.4f} {seed.max():.4f}"
         )
         if folder:
             for half, which in (
