@@ -98,10 +98,7 @@ def main() -> None:
             np.concatenate([1 - (a * b).sum(1) for a, b in zip(rows, r, strict=True)]) for r in (again, other)
         )
         name = "total" if len(families) > 1 else families[0]
-        print(
-            f"{name:14} {spent:7.2f}  {np.median(turn):.1e} {turn.max():.1e}  "
-            f"{np.median(seed):.4f} {seed.max():.4f}"
-        )
+        print(f"{name:14} {spent:7.2f}  {np.median(turn):.1e} {turn.max():.1e}  {np.median(seed):.4f} {seed.max():.4f}")
         if folder:
             for half, which in (
                 ("tuning", slice(0, None, 2)),

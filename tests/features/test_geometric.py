@@ -45,9 +45,7 @@ def shapes() -> dict[str, trimesh.Trimesh]:
 
 
 @pytest.mark.parametrize("name", shapes())
-@given(
-    seed=st.integers(0, 2**31), scale=st.floats(1e-4, 1e4), shift=st.floats(-10.0, 10.0), mirror=st.booleans()
-)
+@given(seed=st.integers(0, 2**31), scale=st.floats(1e-4, 1e4), shift=st.floats(-10.0, 10.0), mirror=st.booleans())
 @settings(max_examples=8, deadline=None)
 def test_pose_scale_and_mirroring_do_not_matter(name, seed, scale, shift, mirror):
     mesh = shapes()[name]

@@ -107,10 +107,7 @@ fn an_open_tube_encloses_the_volume_of_the_closed_one() {
     let (vertices, faces) = tube(0.5, 20);
     let corners: Vec<[f64; 3]> = faces.iter().flatten().map(|&k| vertices[k as usize]).collect();
     let triangles = (0..faces.len() as i64).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-    assert!(
-        (raw(&(corners, triangles), Family::Hull)[8] - 1.0).abs() < 1e-6,
-        "repeated corners are one vertex"
-    );
+    assert!((raw(&(corners, triangles), Family::Hull)[8] - 1.0).abs() < 1e-6, "repeated corners are one vertex");
 }
 
 #[test]
@@ -166,11 +163,8 @@ fn bad_arguments_are_named() {
     let outside = (mesh.0.clone(), vec![[0, 1, 8]]);
     let error = with(&outside, |parts| describe(parts, &options(&Family::ALL, 64))).unwrap_err();
     assert!(error.to_string().starts_with("faces"));
-    let offsets =
-        Parts { vertices: &mesh.0, faces: &mesh.1, vertex_offsets: &[0, 9], face_offsets: &[0, 12] };
-    assert!(
-        describe(offsets, &options(&Family::ALL, 64)).unwrap_err().to_string().starts_with("vertex_offsets")
-    );
+    let offsets = Parts { vertices: &mesh.0, faces: &mesh.1, vertex_offsets: &[0, 9], face_offsets: &[0, 12] };
+    assert!(describe(offsets, &options(&Family::ALL, 64)).unwrap_err().to_string().starts_with("vertex_offsets"));
     assert!(Family::named("colour").unwrap_err().to_string().contains("harmonics"));
 }
 

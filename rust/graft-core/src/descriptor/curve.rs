@@ -57,8 +57,7 @@ fn features(graph: &Graph, along: &[f64], length: f64) -> [f64; CURVE] {
     }
     slabs.retain(|slab| !slab.is_empty());
     let n = slabs.len();
-    let (mut radii, mut flatness, mut split) =
-        (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
+    let (mut radii, mut flatness, mut split) = (Vec::with_capacity(n), Vec::with_capacity(n), Vec::with_capacity(n));
     for slab in &slabs {
         let size = slab.len() as f64;
         let centre = slab.iter().map(|&i| points[i]).sum::<Point>() / size;

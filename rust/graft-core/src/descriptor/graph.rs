@@ -115,8 +115,7 @@ impl Graph {
             while let Some(k) = stack.pop() {
                 if !std::mem::replace(&mut seen[k], true) {
                     size += 1;
-                    let joined =
-                        self.links[samples[k]].iter().filter_map(|(j, _)| samples.binary_search(j).ok());
+                    let joined = self.links[samples[k]].iter().filter_map(|(j, _)| samples.binary_search(j).ok());
                     stack.extend(joined.filter(|&at| !seen[at]));
                 }
             }

@@ -77,11 +77,7 @@ impl Hull {
 
     /// How far a point lies below the hull's surface; 0 outside.
     pub fn depth(&self, point: &Point) -> f64 {
-        self.planes
-            .iter()
-            .map(|(normal, offset)| offset - normal.dot(point))
-            .fold(f64::INFINITY, f64::min)
-            .max(0.0)
+        self.planes.iter().map(|(normal, offset)| offset - normal.dot(point)).fold(f64::INFINITY, f64::min).max(0.0)
     }
 }
 
@@ -99,8 +95,7 @@ fn thin(points: &[Point]) -> Vec<Point> {
         }
         let cell = |x: f64| (((x / length + 1.0) * 0.5 * CELLS as f64) as usize).min(CELLS - 1);
         let side = 2 * axis + usize::from(point[axis] < 0.0);
-        let slot =
-            &mut farthest[(side * CELLS + cell(point[(axis + 1) % 3])) * CELLS + cell(point[(axis + 2) % 3])];
+        let slot = &mut farthest[(side * CELLS + cell(point[(axis + 1) % 3])) * CELLS + cell(point[(axis + 2) % 3])];
         if slot.is_none_or(|kept| kept.norm_squared() < point.norm_squared()) {
             *slot = Some(*point);
         }

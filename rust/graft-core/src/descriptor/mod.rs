@@ -148,19 +148,13 @@ impl<'a> Parts<'a> {
         for (i, (vertices, faces)) in vertices.into_iter().zip(faces).enumerate() {
             let (vertices, faces) = (&self.vertices[vertices], &self.faces[faces]);
             if vertices.is_empty() {
-                return Err(Error::shape(
-                    "vertex_offsets",
-                    "at least one vertex a part",
-                    format!("none in part {i}"),
-                ));
+                return Err(Error::shape("vertex_offsets", "at least one vertex a part", format!("none in part {i}")));
             }
             if vertices.iter().flatten().any(|x| !x.is_finite()) {
                 return Err(Error::value("vertices", "finite numbers", format!("others in part {i}")));
             }
             let n = vertices.len();
-            if let Some(index) =
-                faces.iter().flatten().find(|&&k| usize::try_from(k).map_or(true, |k| k >= n))
-            {
+            if let Some(index) = faces.iter().flatten().find(|&&k| usize::try_from(k).map_or(true, |k| k >= n)) {
                 return Err(Error::value("faces", format!("indices 0 to {} in part {i}", n - 1), index));
             }
             slices.push((vertices, faces));

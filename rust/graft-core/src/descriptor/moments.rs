@@ -19,8 +19,7 @@ pub fn hull(surface: &Surface) -> Vec<f64> {
         .map(|k| {
             let axis = axes.column(k).into_owned();
             let along = hull.facets.iter().flatten().map(|p| axis.dot(p));
-            let (low, high) =
-                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             (high - low).max(SMALL)
         })
         .collect();

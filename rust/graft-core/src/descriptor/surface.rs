@@ -57,8 +57,7 @@ impl Surface {
             .iter()
             .map(|&[a, b, c]| 0.5 * (vertices[b] - vertices[a]).cross(&(vertices[c] - vertices[a])).norm())
             .collect();
-        let (faces, areas): (Vec<_>, Vec<_>) =
-            faces.into_iter().zip(areas).filter(|&(_, area)| area > 0.0).unzip();
+        let (faces, areas): (Vec<_>, Vec<_>) = faces.into_iter().zip(areas).filter(|&(_, area)| area > 0.0).unzip();
 
         let (centre, covariance) = moments(&vertices, &faces, &areas);
         let (axes, deviations) = principal(&covariance);
@@ -106,8 +105,7 @@ fn moments(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64]) -> (Point, M
         let sum = a + b + c;
         total += area;
         first += sum * (area / 3.0);
-        second += (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose())
-            * (area / 12.0);
+        second += (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose()) * (area / 12.0);
     }
     if faces.is_empty() {
         for v in vertices {
@@ -134,13 +132,7 @@ pub fn principal(covariance: &Matrix3<f64>) -> (Matrix3<f64>, [f64; 3]) {
 ///
 /// Neighbouring faces share points evenly, so the noise is small; the place within a share is random, so that no
 /// regular order of the faces can fall into step with the shares.
-fn sample(
-    vertices: &[Point],
-    faces: &[[usize; 3]],
-    areas: &[f64],
-    n: usize,
-    random: &mut Pcg64,
-) -> Vec<Point> {
+fn sample(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64], n: usize, random: &mut Pcg64) -> Vec<Point> {
     if faces.is_empty() {
         let step = vertices.len() as f64 / n as f64;
         if step <= 1.0 {
