@@ -188,7 +188,8 @@ def _shares(mass: Floats) -> Floats:
 def _relative_volumes(graph: PartGraph) -> Floats:
     """Return (n,) box volumes over the largest, which keeps tiny and huge units in range."""
     volumes: Floats = (graph.half_extents / graph.diagonal).prod(axis=1)
-    return volumes / volumes.max()
+    relative: Floats = volumes / volumes.max()
+    return relative
 
 
 def _measure(
