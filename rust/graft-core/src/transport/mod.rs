@@ -18,6 +18,7 @@
 pub mod batch;
 pub mod cost;
 pub mod feature;
+pub mod lanes;
 pub mod objective;
 pub mod problem;
 pub mod sinkhorn;

@@ -136,6 +136,13 @@ impl Sinkhorn {
         (&self.source.potential, &self.target.potential)
     }
 
+    /// Start from a target potential, from which the first sweep derives the other; no sweep is spent.
+    pub fn start(&mut self, g: &[f64]) -> usize {
+        self.target.potential.copy_from_slice(g);
+        self.in_range = false;
+        0
+    }
+
     /// Take over target masses that EM has moved.
     pub fn set_target(&mut self, objective: &Objective) {
         let (_, cols) = objective.log_reference();

@@ -1,0 +1,87 @@
+//! The kernel compiled for several instruction sets, and the choice among them at run time.
+//!
+//! The one place of the crate with `unsafe`: a function compiled for instructions that the build does not assume may
+//! be called only where the processor has them.
+
+use std::sync::OnceLock;
+
+use super::block::{Block, Rates};
+use super::kernel;
+use super::vector::Vector;
+
+/// Environment variable that lowers the choice (for tests): baseline, avx2 or avx512.
+const OVERRIDE: &str = "GRAFT_INSTRUCTIONS";
+
+/// Instruction sets the kernel is compiled for. On aarch64 the baseline has NEON.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Instructions {
+    /// What every processor of the target has.
+    Baseline,
+    /// AVX2.
+    Avx2,
+    /// AVX-512 F, DQ, BW, VL.
+    Avx512,
+}
+
+/// The best set this processor has, or the lower one that the environment asks for; decided once.
+pub fn instructions() -> Instructions {
+    static CHOSEN: OnceLock<Instructions> = OnceLock::new();
+    *CHOSEN.get_or_init(|| {
+        let asked = match std::env::var(OVERRIDE).as_deref() {
+            Ok("baseline") => Instructions::Baseline,
+            Ok("avx2") => Instructions::Avx2,
+            _ => Instructions::Avx512,
+        };
+        detect().min(asked)
+    })
+}
+
+#[cfg(target_arch = "x86_64")]
+fn detect() -> Instructions {
+    let avx512 = is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512dq")
+        && is_x86_feature_detected!("avx512bw")
+        && is_x86_feature_detected!("avx512vl");
+    if avx512 {
+        Instructions::Avx512
+    } else if is_x86_feature_detected!("avx2") {
+        Instructions::Avx2
+    } else {
+        Instructions::Baseline
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn detect() -> Instructions {
+    Instructions::Baseline
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
+fn iterate_avx512<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+    kernel::iterate(block, rates);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn iterate_avx2<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+    kernel::iterate(block, rates);
+}
+
+fn iterate_baseline<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+    kernel::iterate(block, rates);
+}
+
+/// Run [`kernel::iterate`] with the instructions given.
+#[allow(unsafe_code)]
+pub fn iterate<V: Vector>(block: &mut Block<V>, rates: &Rates, with: Instructions) {
+    match with.min(detect()) {
+        // SAFETY: the processor has these instructions, `detect` found them.
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx512 => unsafe { iterate_avx512(block, rates) },
+        // SAFETY: as above.
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2 => unsafe { iterate_avx2(block, rates) },
+        _ => iterate_baseline(block, rates),
+    }
+}

@@ -1,0 +1,288 @@
+//! One outer iteration of every lane: linearise, two translation-invariant sweeps, the new plan and its gradient.
+//!
+//! Scalings are kept up to one factor a side whose logarithm is added where logarithms are taken anyway, so that the
+//! shift that makes a sweep translation-invariant costs one logarithm, not three exponentials (the mathematics is in
+//! [`crate::transport::sinkhorn`]). Sums run in the order of the nodes and nodes that pad have no mass, so padding
+//! changes no bit.
+
+// Every function is compiled into its caller so that it takes over the caller's instruction set.
+#![allow(clippy::inline_always)]
+
+use super::block::{Block, Rates, Report, State};
+use super::vector::Vector;
+
+/// Sweeps an iteration: see `SWEEPS` in [`crate::transport::ufgw`].
+pub const SWEEPS: usize = 2;
+
+/// Columns whose sums are kept in registers side by side.
+const COLUMNS: usize = 4;
+
+/// One iteration from `block.at` to `block.to`; the potentials move on whether or not the step is taken.
+#[inline(always)]
+pub fn iterate<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+    absorb(block, rates);
+    let shifts = sweep(block, rates);
+    plan(block, rates, &shifts);
+    gradient(&block.source, &block.target, &mut block.to, &mut block.half, block.n, block.m);
+    curvature(block);
+    target_mass(block, rates);
+}
+
+/// K = exp((f + g - C) / eps).
+#[inline(always)]
+fn absorb<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+    let m = block.m;
+    let structure = V::splat(rates.structure);
+    let g = &block.g[..m];
+    for i in 0..block.n {
+        let f = block.f[i];
+        let kernel = &mut block.kernel[i * m..(i + 1) * m];
+        let gradient = &block.at.gradient[i * m..(i + 1) * m];
+        let features = &block.features[i * m..(i + 1) * m];
+        for j in 0..m {
+            kernel[j] = (f + g[j] - (structure * gradient[j] + features[j])).exp();
+        }
+    }
+}
+
+/// What remains of the sweeps beside the scalings: logs of their common factors.
+struct Shifts<V> {
+    rows: V,
+    cols: V,
+    asked_rows: V,
+}
+
+#[inline(always)]
+fn sweep<V: Vector>(block: &mut Block<V>, rates: &Rates) -> Shifts<V> {
+    let (n, m) = (block.n, block.m);
+    let (follow_s, follow_t) = (V::splat(rates.follow_s), V::splat(rates.follow_t));
+    let (slack_s, slack_t) = (V::splat(rates.slack_s), V::splat(rates.slack_t));
+    let zero = V::splat(0.0);
+    let mu = &block.mu[..n];
+    let nu = &block.at.nu[..m];
+    let (rows, cols) = (&mut block.rows[..n], &mut block.cols[..m]);
+    let (log_rows, log_cols) = (&mut block.log_rows[..n], &mut block.log_cols[..m]);
+    let (asked_rows, asked) = (&mut block.asked_rows[..n], &mut block.asked[..m]);
+    let (f, g) = (&block.f[..n], &block.g[..m]);
+
+    let mut asked_mass = zero;
+    for j in 0..m {
+        cols[j] = nu[j];
+        asked_mass = asked_mass + nu[j] * asked[j];
+    }
+    let mut log_asked_t = asked_mass.ln() + block.asked_log;
+    let mut shifts = Shifts { rows: zero, cols: zero, asked_rows: zero };
+    for _ in 0..SWEEPS {
+        // f given g.
+        let mut mass = zero;
+        for i in 0..n {
+            let kernel = &block.kernel[i * m..(i + 1) * m];
+            let mut sum = zero;
+            for j in 0..m {
+                sum = sum + kernel[j] * cols[j];
+            }
+            let log = zero - follow_s * (sum.ln() + shifts.cols) - slack_s * f[i];
+            let scaling = log.exp();
+            log_rows[i] = log;
+            rows[i] = mu[i] * scaling;
+            asked_rows[i] = scaling * sum;
+            mass = mass + mu[i] * asked_rows[i];
+        }
+        let log_asked_s = mass.ln() + shifts.cols;
+        let shift = V::splat(rates.balance_s) * (log_asked_s - log_asked_t);
+        let log_asked_s = log_asked_s - slack_s * shift;
+        shifts.asked_rows = shifts.cols - slack_s * shift;
+        shifts.rows = follow_s * shift;
+
+        // g given f.
+        for j in 0..m {
+            asked[j] = zero;
+        }
+        for i in 0..n {
+            let kernel = &block.kernel[i * m..(i + 1) * m];
+            let row = rows[i];
+            for j in 0..m {
+                asked[j] = asked[j] + kernel[j] * row;
+            }
+        }
+        let mut mass = zero;
+        for j in 0..m {
+            let log = zero - follow_t * (asked[j].ln() + shifts.rows) - slack_t * g[j];
+            let scaling = log.exp();
+            log_cols[j] = log;
+            cols[j] = nu[j] * scaling;
+            asked[j] = asked[j] * scaling;
+            mass = mass + nu[j] * asked[j];
+        }
+        let log_mass = mass.ln() + shifts.rows;
+        let shift = V::splat(rates.balance_t) * (log_mass - log_asked_s);
+        log_asked_t = log_mass - slack_t * shift;
+        block.asked_log = shifts.rows - slack_t * shift;
+        shifts.asked_rows = shifts.asked_rows + V::splat(rates.pull_s) * shift;
+        shifts.cols = follow_t * shift;
+        shifts.rows = shifts.rows - shift;
+    }
+    shifts
+}
+
+/// The new plan, its marginals, and how far it is from the old one and from what the prices ask for.
+#[inline(always)]
+fn plan<V: Vector>(block: &mut Block<V>, rates: &Rates, shifts: &Shifts<V>) {
+    let (n, m) = (block.n, block.m);
+    let zero = V::splat(0.0);
+    let tiny = V::splat(V::TINY);
+    let scale = (shifts.rows + shifts.cols).exp();
+    let asked_scale = shifts.asked_rows.exp();
+    let (mut moved, mut rows_moved, mut mass) = (zero, zero, zero);
+    let (mut residual, mut residual_gain, mut log_scaling) = (zero, zero, zero);
+    let cols = &block.cols[..m];
+    for i in 0..n {
+        let kernel = &block.kernel[i * m..(i + 1) * m];
+        let from = &block.at.plan[i * m..(i + 1) * m];
+        let to = &mut block.to.plan[i * m..(i + 1) * m];
+        let row = block.rows[i] * scale;
+        let mut sum = zero;
+        for j in 0..m {
+            let t = row * kernel[j] * cols[j];
+            moved = moved + (t - from[j]).abs();
+            sum = sum + t;
+            to[j] = t;
+        }
+        block.to.u[i] = sum;
+        mass = mass + sum;
+        let asked = block.mu[i] * block.asked_rows[i] * asked_scale;
+        let (excess, left) = (sum - asked, block.at.u[i] - sum);
+        residual = residual + excess.abs();
+        rows_moved = rows_moved + left.abs();
+        // log x is between 1 - 1/x and x - 1.
+        residual_gain = residual_gain + excess * left / (left.positive(sum, asked) + tiny);
+        let log = block.log_rows[i];
+        log_scaling = log_scaling.max(block.mu[i].positive(log.abs(), zero));
+        block.f[i] = block.f[i] + log + shifts.rows;
+    }
+    let mut cols_moved = zero;
+    for j in 0..m {
+        // T'1 is what its price asks for, exactly.
+        let v = block.at.nu[j] * block.asked[j] * scale;
+        cols_moved = cols_moved + (v - block.at.v[j]).abs();
+        block.to.v[j] = v;
+        let log = block.log_cols[j];
+        log_scaling = log_scaling.max(block.at.nu[j].positive(log.abs(), zero));
+        block.g[j] = block.g[j] + log + shifts.cols;
+    }
+    let residual_gain = V::splat(rates.tau_s) * residual_gain;
+    let report = Report { moved, rows_moved, cols_moved, mass, residual, residual_gain, log_scaling, ..block.report };
+    block.report = report;
+}
+
+/// C_GW = A^2 u + B^2 v - 2 A T B for symmetric structures.
+#[inline(always)]
+fn gradient<V: Vector>(a: &[V], b: &[V], state: &mut State<V>, half: &mut [V], n: usize, m: usize) {
+    let zero = V::splat(0.0);
+    let two = V::splat(2.0);
+    let blocks = m / COLUMNS * COLUMNS;
+    for j in 0..m {
+        let b_row = &b[j * m..(j + 1) * m];
+        let mut sum = zero;
+        for l in 0..m {
+            sum = sum + b_row[l] * b_row[l] * state.v[l];
+        }
+        // The column's part, kept where the first row will be overwritten last.
+        state.gradient[(n - 1) * m + j] = sum;
+    }
+    for i in 0..n {
+        let a_row = &a[i * n..(i + 1) * n];
+        let half = &mut half[..m];
+        let mut row_part = zero;
+        for k in 0..n {
+            row_part = row_part + a_row[k] * a_row[k] * state.u[k];
+        }
+        let mut j = 0;
+        while j < blocks {
+            let mut sums = [zero; COLUMNS];
+            for k in 0..n {
+                let t = &state.plan[k * m + j..k * m + j + COLUMNS];
+                for c in 0..COLUMNS {
+                    sums[c] = sums[c] + a_row[k] * t[c];
+                }
+            }
+            half[j..j + COLUMNS].copy_from_slice(&sums);
+            j += COLUMNS;
+        }
+        while j < m {
+            let mut sum = zero;
+            for k in 0..n {
+                sum = sum + a_row[k] * state.plan[k * m + j];
+            }
+            half[j] = sum;
+            j += 1;
+        }
+        let (above, last) = state.gradient.split_at_mut((n - 1) * m);
+        let mut j = 0;
+        while j < blocks {
+            let mut sums = [zero; COLUMNS];
+            for l in 0..m {
+                let b = &b[l * m + j..l * m + j + COLUMNS];
+                for c in 0..COLUMNS {
+                    sums[c] = sums[c] + half[l] * b[c];
+                }
+            }
+            for c in 0..COLUMNS {
+                let value = row_part + last[j + c] - two * sums[c];
+                if i + 1 < n {
+                    above[i * m + j + c] = value;
+                } else {
+                    last[j + c] = value;
+                }
+            }
+            j += COLUMNS;
+        }
+        while j < m {
+            let mut sum = zero;
+            for l in 0..m {
+                sum = sum + half[l] * b[l * m + j];
+            }
+            let value = row_part + last[j] - two * sum;
+            if i + 1 < n {
+                above[i * m + j] = value;
+            } else {
+                last[j] = value;
+            }
+            j += 1;
+        }
+    }
+}
+
+#[inline(always)]
+fn curvature<V: Vector>(block: &mut Block<V>) {
+    let len = block.n * block.m;
+    let (from, to) = (&block.at, &block.to);
+    let (g0, g1) = (&from.gradient[..len], &to.gradient[..len]);
+    let (t0, t1) = (&from.plan[..len], &to.plan[..len]);
+    let mut sum = V::splat(0.0);
+    for k in 0..len {
+        sum = sum + (g1[k] - g0[k]) * (t1[k] - t0[k]);
+    }
+    block.report.curvature = sum;
+}
+
+/// The M-step at the new plan.
+#[inline(always)]
+fn target_mass<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+    let zero = V::splat(0.0);
+    let (mut moved, mut mass) = (zero, zero);
+    let (given, taken) = (V::splat(1.0 - rates.em_rate), V::splat(rates.em_rate));
+    for j in 0..block.m {
+        let nu = block.at.nu[j];
+        let next = if rates.em_rate > 0.0 {
+            (given * block.prior[j] + taken * block.to.v[j]) * block.em_scale
+        } else {
+            nu
+        };
+        moved = moved + (next - nu).abs();
+        mass = mass + nu;
+        block.to.nu[j] = next;
+    }
+    block.report.nu_moved = moved;
+    block.report.nu_mass = mass;
+}
