@@ -85,7 +85,7 @@ pub struct Block<V> {
     pub report: Report<V>,
     /// exp((f + g - C) / eps) (n x m).
     pub kernel: Vec<V>,
-    /// A T (n x m).
+    /// A row of A T, and B^2 v (2 m).
     pub half: Vec<V>,
     /// mu a (n).
     pub rows: Vec<V>,
@@ -133,7 +133,7 @@ impl<V: Vector> Block<V> {
                 nu_mass: zero,
             },
             kernel: zeros(n * m),
-            half: zeros(n * m),
+            half: zeros(2 * m),
             rows: zeros(n),
             cols: zeros(m),
             log_rows: zeros(n),

@@ -177,79 +177,59 @@ fn plan<V: Vector>(block: &mut Block<V>, rates: &Rates, shifts: &Shifts<V>) {
 
 /// C_GW = A^2 u + B^2 v - 2 A T B for symmetric structures.
 #[inline(always)]
-fn gradient<V: Vector>(a: &[V], b: &[V], state: &mut State<V>, half: &mut [V], n: usize, m: usize) {
+fn gradient<V: Vector>(a: &[V], b: &[V], state: &mut State<V>, work: &mut [V], n: usize, m: usize) {
     let zero = V::splat(0.0);
-    let two = V::splat(2.0);
-    let blocks = m / COLUMNS * COLUMNS;
+    let (half, col_part) = work.split_at_mut(m);
     for j in 0..m {
         let b_row = &b[j * m..(j + 1) * m];
         let mut sum = zero;
         for l in 0..m {
             sum = sum + b_row[l] * b_row[l] * state.v[l];
         }
-        // The column's part, kept where the first row will be overwritten last.
-        state.gradient[(n - 1) * m + j] = sum;
+        col_part[j] = sum;
     }
     for i in 0..n {
         let a_row = &a[i * n..(i + 1) * n];
-        let half = &mut half[..m];
         let mut row_part = zero;
         for k in 0..n {
             row_part = row_part + a_row[k] * a_row[k] * state.u[k];
         }
-        let mut j = 0;
-        while j < blocks {
-            let mut sums = [zero; COLUMNS];
-            for k in 0..n {
-                let t = &state.plan[k * m + j..k * m + j + COLUMNS];
-                for c in 0..COLUMNS {
-                    sums[c] = sums[c] + a_row[k] * t[c];
-                }
-            }
-            half[j..j + COLUMNS].copy_from_slice(&sums);
-            j += COLUMNS;
+        product(a_row, &state.plan, half, m);
+        let out = &mut state.gradient[i * m..(i + 1) * m];
+        product(half, b, out, m);
+        for j in 0..m {
+            out[j] = row_part + col_part[j] - (out[j] + out[j]);
         }
-        while j < m {
-            let mut sum = zero;
-            for k in 0..n {
-                sum = sum + a_row[k] * state.plan[k * m + j];
-            }
-            half[j] = sum;
-            j += 1;
+    }
+}
+
+/// out_j = sum_k x_k Y_kj, Y with m columns.
+#[inline(always)]
+fn product<V: Vector>(x: &[V], y: &[V], out: &mut [V], m: usize) {
+    let zero = V::splat(0.0);
+    let mut j = 0;
+    while j + COLUMNS <= m {
+        let (mut s0, mut s1, mut s2, mut s3) = (zero, zero, zero, zero);
+        for k in 0..x.len() {
+            let (x, y) = (x[k], &y[k * m + j..k * m + j + COLUMNS]);
+            s0 = s0 + x * y[0];
+            s1 = s1 + x * y[1];
+            s2 = s2 + x * y[2];
+            s3 = s3 + x * y[3];
         }
-        let (above, last) = state.gradient.split_at_mut((n - 1) * m);
-        let mut j = 0;
-        while j < blocks {
-            let mut sums = [zero; COLUMNS];
-            for l in 0..m {
-                let b = &b[l * m + j..l * m + j + COLUMNS];
-                for c in 0..COLUMNS {
-                    sums[c] = sums[c] + half[l] * b[c];
-                }
-            }
-            for c in 0..COLUMNS {
-                let value = row_part + last[j + c] - two * sums[c];
-                if i + 1 < n {
-                    above[i * m + j + c] = value;
-                } else {
-                    last[j + c] = value;
-                }
-            }
-            j += COLUMNS;
+        out[j] = s0;
+        out[j + 1] = s1;
+        out[j + 2] = s2;
+        out[j + 3] = s3;
+        j += COLUMNS;
+    }
+    while j < m {
+        let mut sum = zero;
+        for k in 0..x.len() {
+            sum = sum + x[k] * y[k * m + j];
         }
-        while j < m {
-            let mut sum = zero;
-            for l in 0..m {
-                sum = sum + half[l] * b[l * m + j];
-            }
-            let value = row_part + last[j] - two * sum;
-            if i + 1 < n {
-                above[i * m + j] = value;
-            } else {
-                last[j] = value;
-            }
-            j += 1;
-        }
+        out[j] = sum;
+        j += 1;
     }
 }
 
