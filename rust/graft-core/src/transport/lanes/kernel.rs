@@ -17,6 +17,15 @@ pub const SWEEPS: usize = 2;
 /// Columns whose sums are kept in registers side by side.
 const COLUMNS: usize = 4;
 
+/// Keep one pass of a loop from being merged with the next.
+///
+/// Lanes are the vectors here. Left alone LLVM sees arrays of floats in a loop, and may prefer vectors across the passes
+/// of the loop, made with gathers and shuffles: five times slower. This compiles to nothing.
+#[inline(always)]
+fn apart() {
+    std::hint::black_box(());
+}
+
 /// One iteration from `block.at` to `block.to`; the potentials move on whether or not the step is taken.
 #[inline(always)]
 pub fn iterate<V: Vector>(block: &mut Block<V>, rates: &Rates) {
@@ -40,6 +49,7 @@ fn absorb<V: Vector>(block: &mut Block<V>, rates: &Rates) {
         let gradient = &block.at.gradient[i * m..(i + 1) * m];
         let features = &block.features[i * m..(i + 1) * m];
         for j in 0..m {
+            apart();
             kernel[j] = (f + g[j] - (structure * gradient[j] + features[j])).exp();
         }
     }
@@ -67,6 +77,7 @@ fn sweep<V: Vector>(block: &mut Block<V>, rates: &Rates) -> Shifts<V> {
 
     let mut asked_mass = zero;
     for j in 0..m {
+        apart();
         cols[j] = nu[j];
         asked_mass = asked_mass + nu[j] * asked[j];
     }
@@ -79,6 +90,7 @@ fn sweep<V: Vector>(block: &mut Block<V>, rates: &Rates) -> Shifts<V> {
             let kernel = &block.kernel[i * m..(i + 1) * m];
             let mut sum = zero;
             for j in 0..m {
+                apart();
                 sum = sum + kernel[j] * cols[j];
             }
             let log = zero - follow_s * (sum.ln() + shifts.cols) - slack_s * f[i];
@@ -96,17 +108,20 @@ fn sweep<V: Vector>(block: &mut Block<V>, rates: &Rates) -> Shifts<V> {
 
         // g given f.
         for j in 0..m {
+            apart();
             asked[j] = zero;
         }
         for i in 0..n {
             let kernel = &block.kernel[i * m..(i + 1) * m];
             let row = rows[i];
             for j in 0..m {
+                apart();
                 asked[j] = asked[j] + kernel[j] * row;
             }
         }
         let mut mass = zero;
         for j in 0..m {
+            apart();
             let log = zero - follow_t * (asked[j].ln() + shifts.rows) - slack_t * g[j];
             let scaling = log.exp();
             log_cols[j] = log;
@@ -143,6 +158,7 @@ fn plan<V: Vector>(block: &mut Block<V>, rates: &Rates, shifts: &Shifts<V>) {
         let row = block.rows[i] * scale;
         let mut sum = zero;
         for j in 0..m {
+            apart();
             let t = row * kernel[j] * cols[j];
             moved = moved + (t - from[j]).abs();
             sum = sum + t;
@@ -162,6 +178,7 @@ fn plan<V: Vector>(block: &mut Block<V>, rates: &Rates, shifts: &Shifts<V>) {
     }
     let mut cols_moved = zero;
     for j in 0..m {
+        apart();
         // T'1 is what its price asks for, exactly.
         let v = block.at.nu[j] * block.asked[j] * scale;
         cols_moved = cols_moved + (v - block.at.v[j]).abs();
@@ -181,9 +198,11 @@ fn gradient<V: Vector>(a: &[V], b: &[V], state: &mut State<V>, work: &mut [V], n
     let zero = V::splat(0.0);
     let (half, col_part) = work.split_at_mut(m);
     for j in 0..m {
+        apart();
         let b_row = &b[j * m..(j + 1) * m];
         let mut sum = zero;
         for l in 0..m {
+            apart();
             sum = sum + b_row[l] * b_row[l] * state.v[l];
         }
         col_part[j] = sum;
@@ -192,12 +211,14 @@ fn gradient<V: Vector>(a: &[V], b: &[V], state: &mut State<V>, work: &mut [V], n
         let a_row = &a[i * n..(i + 1) * n];
         let mut row_part = zero;
         for k in 0..n {
+            apart();
             row_part = row_part + a_row[k] * a_row[k] * state.u[k];
         }
         product(a_row, &state.plan, half, m);
         let out = &mut state.gradient[i * m..(i + 1) * m];
         product(half, b, out, m);
         for j in 0..m {
+            apart();
             out[j] = row_part + col_part[j] - (out[j] + out[j]);
         }
     }
@@ -211,6 +232,7 @@ fn product<V: Vector>(x: &[V], y: &[V], out: &mut [V], m: usize) {
     while j + COLUMNS <= m {
         let (mut s0, mut s1, mut s2, mut s3) = (zero, zero, zero, zero);
         for k in 0..x.len() {
+            apart();
             let (x, y) = (x[k], &y[k * m + j..k * m + j + COLUMNS]);
             s0 = s0 + x * y[0];
             s1 = s1 + x * y[1];
@@ -226,6 +248,7 @@ fn product<V: Vector>(x: &[V], y: &[V], out: &mut [V], m: usize) {
     while j < m {
         let mut sum = zero;
         for k in 0..x.len() {
+            apart();
             sum = sum + x[k] * y[k * m + j];
         }
         out[j] = sum;
@@ -241,6 +264,7 @@ fn curvature<V: Vector>(block: &mut Block<V>) {
     let (t0, t1) = (&from.plan[..len], &to.plan[..len]);
     let mut sum = V::splat(0.0);
     for k in 0..len {
+        apart();
         sum = sum + (g1[k] - g0[k]) * (t1[k] - t0[k]);
     }
     block.report.curvature = sum;
@@ -253,6 +277,7 @@ fn target_mass<V: Vector>(block: &mut Block<V>, rates: &Rates) {
     let (mut moved, mut mass) = (zero, zero);
     let (given, taken) = (V::splat(1.0 - rates.em_rate), V::splat(rates.em_rate));
     for j in 0..block.m {
+        apart();
         let nu = block.at.nu[j];
         let next = if rates.em_rate > 0.0 {
             (given * block.prior[j] + taken * block.to.v[j]) * block.em_scale
