@@ -54,7 +54,7 @@ pub fn judge<V: Vector>(block: &mut Block<V>, lane: usize, pair: &mut Lane, opti
     pair.rounds += 1;
     let (rows, cols) = (report.rows_moved.get(lane), report.cols_moved.get(lane));
     let convex = options.eps * moved * moved + options.tau_s * rows * rows + options.tau_t * cols * cols;
-    let gained = 1.5 / (pair.mass + 2.0 * mass) * convex + report.residual_gain.get(lane);
+    let gained = 1.5 / (pair.mass + 2.0 * mass) * convex + report.residual_gain.get(lane) + options.eps * report.momentum_gain.get(lane);
     let slack = ROUNDING * V::EPSILON * pair.largest_loss * mass * moved;
     let settled = moved <= options.tol * mass.max(pair.mass) && report.residual.get(lane) <= options.tol * mass;
     let searched = if 0.5 * (1.0 - options.alpha) * (curvature - slack) <= gained {
@@ -78,7 +78,7 @@ pub fn judge<V: Vector>(block: &mut Block<V>, lane: usize, pair: &mut Lane, opti
         let sum_t_log = match searched {
             Some(Searched::Moved(sum)) => sum,
             Some(_) => sum_t_log(block, lane, pair, options),
-            None => pair.sum_t_log(block, lane, options),
+            None => block.report.sum_t_log.get(lane),
         };
         let terms = pair.terms(block, lane, options, sum_t_log);
         if history {

@@ -70,6 +70,7 @@ impl<'a> Lane<'a> {
             block.log_cols[j].set(lane, square);
         }
         block.asked_log.set(lane, 0.0);
+        block.relax.set(lane, 0.0);
         for i in 0..tall {
             let mu = if i < n { input.source_mass[i] } else { 0.0 };
             block.mu[i].set(lane, mu);
@@ -102,6 +103,7 @@ impl<'a> Lane<'a> {
                     - 2.0 * sum * block.cols[j].get(lane))
                     * scale;
                 block.at.gradient[at].set(lane, gradient);
+                block.to.gradient[at].set(lane, gradient);
                 if inside && nu > 0.0 {
                     let cost = (1.0 - options.alpha) / options.eps * gradient + feature - block.g[j].get(lane);
                     lowest = lowest.min(cost);
@@ -138,22 +140,6 @@ impl<'a> Lane<'a> {
             pair.history.push(super::judge::start_objective(block, lane, &pair, options));
         }
         pair
-    }
-
-    /// sum T log(T / (mu nu')) of the step just made, from the potentials: T = mu nu' exp((f + g - C) / eps).
-    pub fn sum_t_log<V: Vector>(&self, block: &Block<V>, lane: usize, options: &Options) -> f64 {
-        let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
-        let structure = (1.0 - options.alpha) / options.eps;
-        let mut sum = 0.0;
-        for i in 0..n {
-            let f = block.f[i].get(lane);
-            for j in 0..m {
-                let at = i * block.m + j;
-                let cost = structure * block.at.gradient[at].get(lane) + block.features[at].get(lane);
-                sum += block.to.plan[at].get(lane) * (f + block.g[j].get(lane) - cost);
-            }
-        }
-        sum
     }
 
     /// All terms at `block.to`, nu after the M-step.
@@ -228,7 +214,9 @@ fn full_gradient<V: Vector>(block: &mut Block<V>, lane: usize, input: &Input) {
         for j in 0..m {
             let col: f64 = (0..m).map(|l| b[j * m + l] * b[j * m + l] * block.at.v[l].get(lane)).sum();
             let product: f64 = half.iter().zip(0..m).map(|(h, l)| h * b[l * m + j]).sum();
-            block.at.gradient[i * wide + j].set(lane, row + col - 2.0 * product);
+            let gradient = row + col - 2.0 * product;
+            block.at.gradient[i * wide + j].set(lane, gradient);
+            block.to.gradient[i * wide + j].set(lane, gradient);
         }
     }
 }
