@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::lanes::dispatch::Instructions;
-use super::lanes::vector::{F32x16, F64x8};
+use super::lanes::vector::{F32x32, F64x16};
 use super::lanes;
 use super::problem::{Input, Options, Problem};
 use super::ufgw::{Solution, solve_checked};
@@ -165,7 +165,7 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
     };
     if run.precision == Precision::F32 && !waiting.is_empty() {
         let task = |group: &Vec<(usize, &Input)>| {
-            lanes::run::<F32x16>(group, options, run.history, run.instructions)
+            lanes::run::<F32x32>(group, options, run.history, run.instructions)
         };
         let again = collect(spread(&groups(&waiting), task, serial), &mut solutions);
         // Out of range, or not settled: noise of single precision may keep a plan moving.
@@ -177,7 +177,7 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
     }
     if !waiting.is_empty() {
         let task = |group: &Vec<(usize, &Input)>| {
-            lanes::run::<F64x8>(group, options, run.history, run.instructions)
+            lanes::run::<F64x16>(group, options, run.history, run.instructions)
         };
         scalar.extend(collect(spread(&groups(&waiting), task, serial), &mut solutions));
         scalar.sort_unstable();

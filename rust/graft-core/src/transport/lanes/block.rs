@@ -1,5 +1,6 @@
 //! The arrays of one block: pairs of one padded size side by side, one in each lane.
 
+use super::kernel;
 use super::vector::Vector;
 use crate::transport::problem::Options;
 
@@ -91,7 +92,7 @@ pub struct Block<V> {
     pub report: Report<V>,
     /// exp((f + g - C) / eps) (n x m).
     pub kernel: Vec<V>,
-    /// A row of A T, and B^2 v (2 m).
+    /// Some rows of A T, and B^2 v.
     pub half: Vec<V>,
     /// mu a (n).
     pub rows: Vec<V>,
@@ -142,7 +143,7 @@ impl<V: Vector> Block<V> {
                 nu_mass: zero,
             },
             kernel: zeros(n * m),
-            half: zeros(2 * m),
+            half: zeros((kernel::ROWS + 1) * m),
             rows: zeros(n),
             cols: zeros(m),
             log_rows: zeros(n),
