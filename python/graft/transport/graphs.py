@@ -12,7 +12,9 @@ from graft import _core
 from graft.errors import InputError
 from graft.graph import PartGraph, source_mass, target_prior
 from graft.objects import Floats
-from graft.transport.solver import Cost, Entropy, Loss, Transport, ufgw_batch
+from graft.transport.costs import Cost
+from graft.transport.result import Transport
+from graft.transport.solver import Entropy, Loss, ufgw_batch
 
 SALIENCY = 0.6
 """The paper's gamma: factor on a part's mass per hop from the demonstrated part."""
@@ -96,7 +98,7 @@ class UFGW:
             own_target = self.features([target], target)[0]
             self_features = [(self.features([source], source)[0], own_target) for source in sources]
         count = len(sources)
-        return ufgw_batch(
+        found = ufgw_batch(
             features,
             [source.structure for source in sources],
             [target.structure] * count,
@@ -115,6 +117,7 @@ class UFGW:
             max_outer=self.max_outer,
             threads=self.threads,
         )
+        return list(found)
 
     def features(self, sources: Sequence[PartGraph], target: PartGraph) -> list[Floats]:
         """Return the feature cost M (n_k, m) of every source against the target.

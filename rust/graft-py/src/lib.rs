@@ -20,7 +20,7 @@ mod _core {
     #[pymodule_export]
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]
-    use super::transport::{feature_costs, ufgw_batch};
+    use super::transport::{feature_costs, ufgw_batch, ufgw_pair};
     #[pymodule_export]
     use crate::geometry::{convex_hull, oriented_box, part_geometry};
     #[pymodule_export]

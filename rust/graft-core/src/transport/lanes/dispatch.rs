@@ -9,9 +9,6 @@ use super::block::{Block, Rates};
 use super::kernel;
 use super::vector::Vector;
 
-/// Environment variable that lowers the choice (for tests): baseline, avx2 or avx512.
-const OVERRIDE: &str = "GRAFT_INSTRUCTIONS";
-
 /// Instruction sets the kernel is compiled for. On aarch64 the baseline has NEON.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Instructions {
@@ -23,17 +20,10 @@ pub enum Instructions {
     Avx512,
 }
 
-/// The best set this processor has, or the lower one that the environment asks for; decided once.
+/// The best set this processor has; found once.
 pub fn instructions() -> Instructions {
-    static CHOSEN: OnceLock<Instructions> = OnceLock::new();
-    *CHOSEN.get_or_init(|| {
-        let asked = match std::env::var(OVERRIDE).as_deref() {
-            Ok("baseline") => Instructions::Baseline,
-            Ok("avx2") => Instructions::Avx2,
-            _ => Instructions::Avx512,
-        };
-        detect().min(asked)
-    })
+    static FOUND: OnceLock<Instructions> = OnceLock::new();
+    *FOUND.get_or_init(detect)
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -75,8 +65,8 @@ fn iterate_baseline<V: Vector>(block: &mut Block<V>, rates: &Rates) {
 /// Run [`kernel::iterate`] with the instructions given.
 #[allow(unsafe_code)]
 pub fn iterate<V: Vector>(block: &mut Block<V>, rates: &Rates, with: Instructions) {
-    match with.min(detect()) {
-        // SAFETY: the processor has these instructions, `detect` found them.
+    match with.min(instructions()) {
+        // SAFETY: the processor has these instructions, `instructions` found them.
         #[cfg(target_arch = "x86_64")]
         Instructions::Avx512 => unsafe { iterate_avx512(block, rates) },
         // SAFETY: as above.

@@ -26,6 +26,9 @@ use super::ufgw::Solution;
 /// Largest graph solved here: beyond it the arrays of a block leave the processor's caches.
 pub const LARGEST: usize = 32;
 
+/// Smallest tolerance: below it the rounding of C / eps may keep a plan moving.
+const FINEST: f64 = 1e-12;
+
 /// Whether the kernel knows these options.
 #[must_use]
 pub fn suits(options: &Options) -> bool {
@@ -34,6 +37,7 @@ pub fn suits(options: &Options) -> bool {
         && options.entropy == Entropy::Relative
         && price(options.tau_s)
         && price(options.tau_t)
+        && options.tol >= FINEST
 }
 
 /// Whether the kernel knows this pair: not too large, both structures symmetric.
