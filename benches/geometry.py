@@ -2,8 +2,8 @@
 
     python benches/geometry.py [OBJECTS_DIR]
 
-OBJECTS_DIR has one folder per object with a mesh.ply and a parts.seg (one part number per face). Without it the parts
-are meshes made on the fly.
+OBJECTS_DIR has one folder per object with a mesh.ply and a parts.seg (one part number per face). Without it
+the parts are meshes made on the fly.
 """
 
 import statistics
@@ -65,7 +65,9 @@ def made_objects() -> list[PartObject]:
     return [
         PartObject(
             name,
-            tuple(Part(f"p{k}", m.vertices + [0, 0, 1.5 * k], m.faces) for k, m in enumerate(meshes)),
+            tuple(
+                Part(f"p{k}", m.vertices + np.array([0, 0, 1.5 * k]), m.faces) for k, m in enumerate(meshes)
+            ),
         )
         for name, meshes in (("round", round_parts), ("blocky", blocky), ("bumpy", bumpy))
     ]

@@ -77,7 +77,7 @@ def test_moves_with_its_points(seed, scale):
     [
         (trimesh.creation.box([3.0, 2.0, 1.0]).vertices, [1.5, 1.0, 0.5]),
         (trimesh.creation.cylinder(radius=0.5, height=2.0, sections=64).vertices, [1.0, 0.5, 0.5]),
-        # The minimal box of a regular tetrahedron is the cube whose face diagonals are its edges: no face lies on it.
+        # The minimal box of a regular tetrahedron is the cube whose face diagonals are its edges.
         (np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1.0]]), [1.0, 1.0, 1.0]),
     ],
     ids=["cuboid", "cylinder", "tetrahedron"],

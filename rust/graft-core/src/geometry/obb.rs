@@ -35,9 +35,11 @@ const COARSE_DIRECTIONS: usize = 32;
 /// Up to this many candidates are all tried; of more, one in every cell first.
 const ALL_CANDIDATES: usize = 400;
 
-/// Size of a cell of directions, and radius of the neighbourhood in which all candidates are tried, radians. The free
-/// turning reaches twice as far.
+/// Size of a cell of directions, radians. The free turning reaches twice as far.
 const CELL: f64 = 0.1;
+
+/// Around the axes of the best box that the cells gave, all candidates within this many radians are tried.
+const NEAR: f64 = 0.03;
 
 /// First and last step of the free turning, radians.
 const STEPS: (f64, f64) = (0.2, 1e-6);
@@ -194,7 +196,7 @@ fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
             best.insert(candidate);
         }
     };
-    // First one normal of every cell, then all those in the neighbourhood of the best boxes' axes.
+    // First one normal of every cell, then all those in the neighbourhood of the best box's axes.
     let thin = queue.len() > ALL_CANDIDATES;
     let mut taken = HashSet::new();
     let mut rest = Vec::new();
@@ -205,9 +207,9 @@ fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
             rest.push(entry);
         }
     }
-    let axes: Vec<Vec3> = best.0.iter().flat_map(|c| c.axes).collect();
+    let axes: Vec<Vec3> = best.0.first().map_or(Vec::new(), |c| c.axes.to_vec());
     for entry in rest {
-        if axes.iter().any(|a| a.dot(&entry.1).abs() > 1.0 - CELL * CELL / 2.0) {
+        if axes.iter().any(|a| a.dot(&entry.1).abs() > 1.0 - NEAR * NEAR / 2.0) {
             evaluate(&entry, &mut best);
         }
     }
@@ -243,6 +245,7 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
 /// is taken, the step is shortened when none is better. The set is the same for every choice of the axes' signs and order.
 fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) -> Candidate {
     let mut step = STEPS.0;
+    let mut moved = false;
     while step > STEPS.1 {
         let mut improved = current;
         for code in 0..27 {
@@ -260,7 +263,10 @@ fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) 
             }
         }
         if improved.volume < current.volume {
-            current = turn_about_axes(hull, improved, work);
+            current = improved;
+            moved = true;
+        } else if std::mem::take(&mut moved) {
+            current = turn_about_axes(hull, current, work);
         } else {
             step *= SHRINK;
         }
