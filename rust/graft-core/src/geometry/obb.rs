@@ -34,7 +34,7 @@ const SMALLER: f64 = 1e-10;
 const COARSE_DIRECTIONS: [usize; 2] = [32, 128];
 
 /// Corners of a large hull.
-const LARGE: usize = 1000;
+const LARGE: usize = 400;
 
 /// Up to this many candidates are all tried; of more, one in every cell first.
 const ALL_CANDIDATES: usize = 400;
@@ -75,7 +75,7 @@ impl OrientedBox {
                 low = low.min(s);
                 high = high.max(s);
             }
-            center += axes[k] * ((low + high) / 2.0);
+            center += axes[k] * f64::midpoint(low, high);
             half_extents[k] = (high - low) / 2.0;
         }
         Self { center, axes, half_extents }
