@@ -66,7 +66,7 @@ def test_moves_with_its_points(seed, scale):
     turn = Rotation.from_rotvec(np.random.default_rng(seed).normal(size=3)).as_matrix()
     moved = np.ascontiguousarray((points @ turn.T + [0.3, -2.0, 1.0]) * scale)
     center_m, axes_m, half_m = _core.oriented_box(moved)
-    # Beyond the faces the search is local: 2 of 400 such clouds changed their volume by over 0.1 %, at most 0.3 %.
+    # Beyond the faces the search is local: 2 of 400 such clouds changed volume by over 0.1 %, at most 0.3 %.
     assert_allclose(half_m.prod() / scale**3, half.prod(), rtol=0.01)
     if abs(half_m.prod() / scale**3 / half.prod() - 1) < 1e-9:
         assert_allclose(half_m / scale, half, rtol=1e-3)
