@@ -65,9 +65,7 @@ def made_objects() -> list[PartObject]:
     return [
         PartObject(
             name,
-            tuple(
-                Part(f"p{k}", m.vertices + np.array([0, 0, 1.5 * k]), m.faces) for k, m in enumerate(meshes)
-            ),
+            tuple(Part(f"p{k}", m.vertices + np.array([0, 0, 1.5 * k]), m.faces) for k, m in enumerate(meshes)),
         )
         for name, meshes in (("round", round_parts), ("blocky", blocky), ("bumpy", bumpy))
     ]

@@ -56,9 +56,7 @@ def test_graph_moves_with_its_object(scale):
     assert_allclose(other.structure, graph.structure, atol=1e-3)
     assert_allclose(other.gaps, graph.gaps, atol=1e-3)
     assert_array_equal(other.adjacency, graph.adjacency)
-    assert_allclose(
-        other.points[1], graph.points[1] @ transform[:3, :3].T + transform[:3, 3], atol=1e-9 * scale
-    )
+    assert_allclose(other.points[1], graph.points[1] @ transform[:3, :3].T + transform[:3, 3], atol=1e-9 * scale)
     assert_allclose(target_prior(other), target_prior(graph), atol=1e-3)
 
 
@@ -78,9 +76,7 @@ def test_relations_have_their_form():
 
 
 def test_shortest_paths_add_up_along_the_adjacency():
-    chain = PartObject(
-        "chain", tuple(part(f"p{k}", trimesh.creation.box([1, 0.2, 0.1]), (k, 0, 0)) for k in range(4))
-    )
+    chain = PartObject("chain", tuple(part(f"p{k}", trimesh.creation.box([1, 0.2, 0.1]), (k, 0, 0)) for k in range(4)))
     graph = build_graph(chain, descriptor=None, structure="shortest_path")
     x = graph.structure / (1 - graph.structure)
     assert_allclose(x[0], np.arange(4) / graph.diagonal, atol=1e-9)
@@ -96,9 +92,7 @@ def test_adjacency_is_joints_or_gaps_and_always_connected():
 
 
 def test_masses_add_up_and_fall_with_every_step():
-    chain = PartObject(
-        "chain", tuple(part(f"p{k}", trimesh.creation.box([1, 0.2, 0.1]), (k, 0, 0)) for k in range(4))
-    )
+    chain = PartObject("chain", tuple(part(f"p{k}", trimesh.creation.box([1, 0.2, 0.1]), (k, 0, 0)) for k in range(4)))
     graph = build_graph(chain, descriptor=None)
     mass = source_mass(graph, "p1")
     assert_allclose(mass, np.array([0.6, 1, 0.6, 0.36]) / 2.56, rtol=1e-6)
@@ -133,9 +127,7 @@ def test_clouds_keep_their_normals_or_get_them():
     assert_allclose(given_.normals[0], given_.points[0], atol=1e-9)
     assert (np.einsum("ij,ij->i", guessed.normals[0], guessed.points[0]) > 0.98).all()
     assert_allclose(guessed.areas, 4 * np.pi, rtol=0.25)
-    assert build_graph(PartObject("b", (Part("b", ball[:5]),)), descriptor=None, samples=8).points[
-        0
-    ].shape == (8, 3)
+    assert build_graph(PartObject("b", (Part("b", ball[:5]),)), descriptor=None, samples=8).points[0].shape == (8, 3)
 
 
 def test_a_seed_gives_the_same_graph_whatever_the_threads():

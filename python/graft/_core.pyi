@@ -66,9 +66,7 @@ def edge_lengths(
 ) -> NDArray[np.float64]:
     """Return (n, n) edge lengths in [0, 1): of all pairs, or of the shortest paths along an adjacency (n, n)."""
 
-def part_adjacency(
-    gaps: NDArray[np.float64], joints: NDArray[np.int64], threshold: float
-) -> NDArray[np.bool_]:
+def part_adjacency(gaps: NDArray[np.float64], joints: NDArray[np.int64], threshold: float) -> NDArray[np.bool_]:
     """Return (n, n): joints (j, 2) where there are any, else gaps of at most the threshold; always connected."""
 
 def part_hops(adjacency: NDArray[np.bool_], part: int) -> NDArray[np.int64]:

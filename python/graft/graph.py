@@ -200,9 +200,7 @@ def _measure(
     """Return diagonal, boxes, areas, flag bits, sampled points and normals of all parts."""
     diagonal, boxes, areas, _, _, bits, points, normals = _core.part_geometry(
         np.concatenate([part.vertices for part in obj.parts]),
-        np.concatenate(
-            [np.zeros_like(part.vertices) if part.normals is None else part.normals for part in obj.parts]
-        ),
+        np.concatenate([np.zeros_like(part.vertices) if part.normals is None else part.normals for part in obj.parts]),
         np.array([len(part.vertices) for part in obj.parts], np.int64),
         np.concatenate([part.faces for part in obj.parts]),
         np.array([len(part.faces) for part in obj.parts], np.int64),
@@ -231,8 +229,6 @@ def _describe(descriptor: Descriptor, obj: PartObject) -> Floats:
         raise InputError(f"descriptor {descriptor.name!r}: expected shape {expected}, got {found.shape}")
     if not np.isfinite(found).all():
         row = int(np.argwhere(~np.isfinite(found).all(axis=1))[0, 0])
-        raise InputError(
-            f"descriptor {descriptor.name!r}: not finite for part {obj.parts[row].name!r} of {obj.name!r}"
-        )
+        raise InputError(f"descriptor {descriptor.name!r}: not finite for part {obj.parts[row].name!r} of {obj.name!r}")
     found.setflags(write=False)
     return found

@@ -171,9 +171,7 @@ def _unit_rows(offsets: Floats) -> Floats:
     return rows
 
 
-def align_parts(
-    source: PartGraph, source_part: int, target: PartGraph, target_part: int, plan: Floats
-) -> FramePair:
+def align_parts(source: PartGraph, source_part: int, target: PartGraph, target_part: int, plan: Floats) -> FramePair:
     """Align the canonical frames of two matched parts.
 
     Args:

@@ -30,9 +30,7 @@ fn tube(rings: usize) -> Vec<Vec3> {
 }
 
 fn geometry(c: &mut Criterion) {
-    for (name, points) in
-        [("ellipsoid_500", ellipsoid(500)), ("ellipsoid_3000", ellipsoid(3000)), ("tube", tube(60))]
-    {
+    for (name, points) in [("ellipsoid_500", ellipsoid(500)), ("ellipsoid_3000", ellipsoid(3000)), ("tube", tube(60))] {
         c.bench_function(&format!("convex_hull/{name}"), |b| b.iter(|| convex_hull(black_box(&points))));
         c.bench_function(&format!("minimal_box/{name}"), |b| b.iter(|| minimal_box(black_box(&points))));
     }

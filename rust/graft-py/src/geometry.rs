@@ -3,9 +3,7 @@
 use graft_core::Error;
 use graft_core::geometry::{self, OrientedBox, PartShape, Vec3, points_of};
 use numpy::ndarray::{Array1, Array2, Array3};
-use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
-};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -47,11 +45,7 @@ pub fn boxes(
         .into_iter()
         .zip(half)
         .zip(turned.chunks_exact(9))
-        .map(|((center, h), m)| OrientedBox {
-            center,
-            axes: [0, 1, 2].map(|k| column(m, k)),
-            half_extents: h.into(),
-        })
+        .map(|((center, h), m)| OrientedBox { center, axes: [0, 1, 2].map(|k| column(m, k)), half_extents: h.into() })
         .collect())
 }
 
@@ -72,9 +66,7 @@ fn shapes(
     faces: &[i64],
     face_counts: &[i64],
 ) -> PyResult<Vec<PartShape>> {
-    let total = |counts: &[i64]| {
-        counts.iter().try_fold(0i64, |sum, &c| if c < 0 { None } else { sum.checked_add(c) })
-    };
+    let total = |counts: &[i64]| counts.iter().try_fold(0i64, |sum, &c| if c < 0 { None } else { sum.checked_add(c) });
     let agrees = |counts: &[i64], length: usize| total(counts) == i64::try_from(length).ok();
     if vertex_counts.contains(&0) || !agrees(vertex_counts, vertices.len()) {
         let expected = format!("positive counts adding up to {} vertices", vertices.len());
@@ -147,9 +139,8 @@ pub fn part_geometry<'py>(
     let (found, diagonal) = py.detach(|| geometry::object_geometry(&parts, samples, seed));
     let n = found.len();
     let bounds: Vec<OrientedBox> = found.iter().map(|p| p.frame.bounds).collect();
-    let scalars = |value: fn(&geometry::PartGeometry) -> f64| {
-        found.iter().map(value).collect::<Array1<f64>>().into_pyarray(py)
-    };
+    let scalars =
+        |value: fn(&geometry::PartGeometry) -> f64| found.iter().map(value).collect::<Array1<f64>>().into_pyarray(py);
     let flags: Array1<u8> = found
         .iter()
         .map(|p| u8::from(p.degenerate) | u8::from(p.frame.flat) << 1 | u8::from(p.frame.symmetric) << 2)

@@ -22,10 +22,8 @@ pub fn box_gap(a: &OrientedBox, b: &OrientedBox) -> f64 {
     }
     for (p, q) in edges() {
         for (r, s) in edges() {
-            nearest = nearest.min(segment_distance_squared(
-                [&corners_a[p], &corners_a[q]],
-                [&corners_b[r], &corners_b[s]],
-            ));
+            nearest =
+                nearest.min(segment_distance_squared([&corners_a[p], &corners_a[q]], [&corners_b[r], &corners_b[s]]));
         }
     }
     nearest.sqrt()
@@ -34,9 +32,8 @@ pub fn box_gap(a: &OrientedBox, b: &OrientedBox) -> f64 {
 /// Corner k lies on the positive side of axis i when bit i of k is set.
 fn corners(b: &OrientedBox) -> [Vec3; 8] {
     std::array::from_fn(|k| {
-        (0..3).fold(b.center, |p, i| {
-            p + b.axes[i] * if k >> i & 1 == 1 { b.half_extents[i] } else { -b.half_extents[i] }
-        })
+        (0..3)
+            .fold(b.center, |p, i| p + b.axes[i] * if k >> i & 1 == 1 { b.half_extents[i] } else { -b.half_extents[i] })
     })
 }
 
@@ -48,8 +45,7 @@ fn edges() -> impl Iterator<Item = (usize, usize)> {
 fn separated(a: &OrientedBox, b: &OrientedBox) -> bool {
     let offset = b.center - a.center;
     let splits = |axis: Vec3| {
-        let reach =
-            |x: &OrientedBox| -> f64 { (0..3).map(|i| x.half_extents[i] * x.axes[i].dot(&axis).abs()).sum() };
+        let reach = |x: &OrientedBox| -> f64 { (0..3).map(|i| x.half_extents[i] * x.axes[i].dot(&axis).abs()).sum() };
         offset.dot(&axis).abs() > reach(a) + reach(b)
     };
     a.axes.iter().chain(&b.axes).any(|x| splits(*x))
@@ -72,8 +68,7 @@ fn segment_distance_squared([p, p_end]: [&Vec3; 2], [q, q_end]: [&Vec3; 2]) -> f
     let (dd, ee, de) = (d.norm_squared(), e.norm_squared(), d.dot(&e));
     let (dr, er) = (d.dot(&r), e.dot(&r));
     let denominator = dd * ee - de * de;
-    let mut s =
-        if denominator > 1e-14 * dd * ee { ((de * er - dr * ee) / denominator).clamp(0.0, 1.0) } else { 0.0 };
+    let mut s = if denominator > 1e-14 * dd * ee { ((de * er - dr * ee) / denominator).clamp(0.0, 1.0) } else { 0.0 };
     let mut t = if ee > 0.0 { (de * s + er) / ee } else { 0.0 };
     if !(0.0..=1.0).contains(&t) {
         t = t.clamp(0.0, 1.0);
@@ -87,11 +82,7 @@ mod tests {
     use super::*;
 
     fn cube(x: f64, y: f64, z: f64) -> OrientedBox {
-        OrientedBox {
-            center: Vec3::new(x, y, z),
-            axes: [Vec3::x(), Vec3::y(), Vec3::z()],
-            half_extents: [1.0; 3],
-        }
+        OrientedBox { center: Vec3::new(x, y, z), axes: [Vec3::x(), Vec3::y(), Vec3::z()], half_extents: [1.0; 3] }
     }
 
     fn turned(mut b: OrientedBox, turn: Vec3) -> OrientedBox {

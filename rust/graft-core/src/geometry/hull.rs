@@ -70,8 +70,7 @@ pub fn hull_in(points: &[Vec3], span: &Span) -> Hull {
 fn shifted(points: &[Vec3], shift: f64) -> Vec<Vec3> {
     // The fractional parts of multiples of the inverses of the plastic number (Roberts 2018) are spread evenly.
     let amount = |i: usize, g: f64| ((i as f64 * g).fract() * 2.0 - 1.0) * shift;
-    let move_by =
-        |(i, p): (usize, &Vec3)| p + Vec3::new(amount(i, 0.819_17), amount(i, 0.671_04), amount(i, 0.549_70));
+    let move_by = |(i, p): (usize, &Vec3)| p + Vec3::new(amount(i, 0.819_17), amount(i, 0.671_04), amount(i, 0.549_70));
     points.iter().enumerate().map(move_by).collect()
 }
 

@@ -116,9 +116,7 @@ mod tests {
 
     #[test]
     fn a_segment_has_area_zero_and_a_point_none() {
-        assert!(
-            minimal_rectangle(&hull_of(&[(0.0, 0.0), (1.0, 1.0), (0.5, 0.5)])).unwrap().area.abs() < 1e-15
-        );
+        assert!(minimal_rectangle(&hull_of(&[(0.0, 0.0), (1.0, 1.0), (0.5, 0.5)])).unwrap().area.abs() < 1e-15);
         assert!(minimal_rectangle(&hull_of(&[(1.0, 1.0), (1.0, 1.0)])).is_none());
     }
 }

@@ -194,10 +194,9 @@ impl Polyhedron {
                 }
             }
             if edge == start {
-                let found =
-                    work.outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64), |f, p| {
-                        (f.0.min(p.x), f.1.max(p.x), f.2.min(p.y), f.3.max(p.y))
-                    });
+                let found = work.outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64), |f, p| {
+                    (f.0.min(p.x), f.1.max(p.x), f.2.min(p.y), f.3.max(p.y))
+                });
                 let whole = found.1 - found.0 >= width * (1.0 - LOOP_TOLERANCE);
                 return whole && convex_loop(&mut work.outline, &mut work.polygon);
             }
@@ -269,8 +268,7 @@ fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
     outline.rotate_left(lowest);
     let turn = |o: &Vec2, a: &Vec2, b: &Vec2| (a - o).perp(&(b - o));
     for &p in outline.iter().chain(std::iter::once(&outline[0])) {
-        while polygon.len() >= 2 && turn(&polygon[polygon.len() - 2], &polygon[polygon.len() - 1], &p) <= 0.0
-        {
+        while polygon.len() >= 2 && turn(&polygon[polygon.len() - 2], &polygon[polygon.len() - 1], &p) <= 0.0 {
             polygon.pop();
         }
         polygon.push(p);

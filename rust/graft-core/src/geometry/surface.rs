@@ -118,13 +118,7 @@ pub fn sample_mesh(vertices: &[Vec3], faces: &[[usize; 3]], count: usize, seed: 
 /// `normals` may be empty or have zero rows, which are estimated: the least direction of the nearest neighbours, turned
 /// away from the cloud's centroid. Also returns the cloud's estimated area: each chosen point's neighbours cover a disk.
 #[must_use]
-pub fn sample_cloud(
-    points: &[Vec3],
-    normals: &[Vec3],
-    count: usize,
-    seed: u64,
-    stream: u64,
-) -> (Samples, f64) {
+pub fn sample_cloud(points: &[Vec3], normals: &[Vec3], count: usize, seed: u64, stream: u64) -> (Samples, f64) {
     let mut random = generator(seed, stream);
     let mut order: Vec<usize> = (0..points.len()).collect();
     let distinct = count.min(points.len());

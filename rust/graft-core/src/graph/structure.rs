@@ -62,9 +62,8 @@ pub fn all_pairs(boxes: &[OrientedBox], unit: f64) -> Vec<f64> {
 #[must_use]
 pub fn shortest_paths(boxes: &[OrientedBox], adjacency: &[bool], unit: f64) -> Vec<f64> {
     let n = boxes.len();
-    let mut x = table(boxes, |i, j| {
-        if adjacency[i * n + j] { separation(&boxes[i], &boxes[j], unit) } else { f64::INFINITY }
-    });
+    let mut x =
+        table(boxes, |i, j| if adjacency[i * n + j] { separation(&boxes[i], &boxes[j], unit) } else { f64::INFINITY });
     for k in 0..n {
         for i in 0..n {
             for j in 0..n {
