@@ -72,6 +72,7 @@ class PartGraph:
         gaps: (n, n) distances between boxes in shares of the diagonal.
         structure: (n, n) edge lengths in [0, 1), symmetric, zero diagonal.
         adjacency: (n, n) symmetric, connected.
+        relations: (n, r) how each part lies in its object, compared by 1 - dot product; rows of length at most 1.
         descriptors: (n, d), or None.
         descriptor_name: Model and version of the descriptor, or None.
     """
@@ -89,6 +90,7 @@ class PartGraph:
     gaps: Floats
     structure: Floats
     adjacency: NDArray[np.bool_]
+    relations: Floats
     descriptors: Floats | None
     descriptor_name: str | None
 
@@ -136,11 +138,13 @@ def build_graph(
     adjacency = _core.part_adjacency(gaps, joint_pairs(obj.joints), adjacency_gap)
     along = adjacency if structure == "shortest_path" else None
     lengths = _core.edge_lengths(*boxes, _length_unit(obj, diagonal, unit), along)
+    up = None if obj.up is None else tuple(obj.up.tolist())
+    relations = _core.part_relations(*boxes, points, areas, diagonal, up)
     descriptors = None if descriptor is None else _describe(descriptor, obj)
     clouds = [PartFlag.CLOUD if part.is_point_cloud else PartFlag.NONE for part in obj.parts]
     centers, axes, half_extents = boxes
     volumes = 8.0 * half_extents.prod(axis=1)
-    for array in (centers, axes, half_extents, volumes, areas, points, normals, gaps, lengths, adjacency):
+    for array in (centers, axes, half_extents, volumes, areas, points, normals, gaps, lengths, adjacency, relations):
         array.setflags(write=False)
     return PartGraph(
         object=obj,
@@ -156,6 +160,7 @@ def build_graph(
         gaps=gaps,
         structure=lengths,
         adjacency=adjacency,
+        relations=relations,
         descriptors=descriptors,
         descriptor_name=None if descriptor is None else descriptor.name,
     )

@@ -3,7 +3,7 @@
 from graft.contact.dense import DenseMap, dense_map
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import CanonicalFrame, FramePair, align_parts
-from graft.contact.transfer import TransferredContact, matched_part, transfer_contact
+from graft.contact.transfer import TransferredContact, transfer_contact
 
 __all__ = [
     "CanonicalFrame",
@@ -13,6 +13,5 @@ __all__ = [
     "align_parts",
     "dense_map",
     "fourier_encoding",
-    "matched_part",
     "transfer_contact",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -21,14 +21,42 @@ EM_RATE = 0.4
 """The paper's lambda of the M-step."""
 
 
+def matched_part(plan: Floats, target_mass: Floats, source_part: int) -> tuple[int, float]:
+    """Return the target part that a source part goes to, and its share.
+
+    The part that receives most mass for its own mass, T_ij / nu_j: the plain row of the plan favours whatever is
+    large, and a body takes the handle's mass because it has room for it.
+
+    Args:
+        plan: (n, m) transport plan.
+        target_mass: (m,) target masses.
+        source_part: Row of the plan. Ties go to the lowest index.
+
+    Returns:
+        The part, and T_ij / nu_j over its sum along the row. A row without mass falls back to the part that
+        receives most in all, with share 0.
+    """
+    row = np.divide(plan[source_part], target_mass, out=np.zeros(plan.shape[1]), where=target_mass > 0)
+    total = float(row.sum())
+    if total <= 0:
+        return int(np.argmax(plan.sum(axis=0))), 0.0
+    part = int(np.argmax(row))
+    return part, float(row[part]) / total
+
+
 @dataclass(frozen=True)
 class UFGW:
     """Match part graphs by unbalanced fused Gromov-Wasserstein transport with EM target masses.
 
-    The feature cost is M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)), e half
-    extents relative to the object's diagonal and f descriptors; structures are the graphs' edge lengths;
-    source masses are volumes damped by `saliency` per hop from the demonstrated part, the target's prior
-    is its volumes.
+    The feature cost is
+
+        M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)) + lambda_relation (1 - r_i . r_j)
+
+    with e half extents relative to the object's diagonal, f descriptors and r relations (`PartGraph.relations`);
+    structures are the graphs' edge lengths; source masses are volumes damped by `saliency` per hop from the
+    demonstrated part, the target's prior is its volumes. A match is ranked by the transport's cost plus
+    `part_weight` times the feature cost of the demonstrated part and the part it goes to (`matched_part`): most
+    of a transport's cost is about bodies, which are large, and says little about the part that is taken.
 
     Attributes:
         alpha: Weight of the features; 1 - alpha weighs the structure (POT's alpha is the opposite).
@@ -42,6 +70,8 @@ class UFGW:
         lambda_obb: Weight of the boxes in M.
         lambda_global: Weight of the descriptors in M; without descriptors their term is dropped, the
             weights stay.
+        lambda_relation: Weight of the relations in M; 0 is the paper's.
+        part_weight: Weight of the demonstrated part's own feature cost in the ranking; 0 is the paper's.
         variant: "graft", or "paper" for the literal sigmoid(|e_i - e_j|) and cos, the latter plus 1 to be
             a cost.
         cost: What transports are ranked by, see `graft.transport.ufgw`.
@@ -60,6 +90,8 @@ class UFGW:
     saliency: float = SALIENCY
     lambda_obb: float = 1.0
     lambda_global: float = 1.0
+    lambda_relation: float = 1.0
+    part_weight: float = 0.3
     variant: Literal["graft", "paper"] = "graft"
     cost: Cost = "sharp"
     tol: float = 1e-6
@@ -96,7 +128,7 @@ class UFGW:
             own_target = self.features([target], target)[0]
             self_features = [(self.features([source], source)[0], own_target) for source in sources]
         count = len(sources)
-        return ufgw_batch(
+        transports = ufgw_batch(
             features,
             [source.structure for source in sources],
             [target.structure] * count,
@@ -115,6 +147,16 @@ class UFGW:
             max_outer=self.max_outer,
             threads=self.threads,
         )
+        return [
+            self._ranked(transport, matrix, part)
+            for transport, matrix, part in zip(transports, features, source_parts, strict=True)
+        ]
+
+    def _ranked(self, transport: Transport, features: Floats, source_part: int) -> Transport:
+        """Return the transport with the demonstrated part's own cost in its ranking cost and terms."""
+        part, _ = matched_part(transport.plan, transport.target_mass, source_part)
+        own = self.part_weight * float(features[source_part, part])
+        return replace(transport, cost=transport.cost + own, terms={**transport.terms, "part": own})
 
     def features(self, sources: Sequence[PartGraph], target: PartGraph) -> list[Floats]:
         """Return the feature cost M (n_k, m) of every source against the target.
@@ -131,11 +173,14 @@ class UFGW:
             try:
                 stacked = _core.feature_costs(
                     np.concatenate([_relative_extents(sources[k]) for k in chosen]),
+                    np.concatenate([sources[k].relations for k in chosen]),
                     np.concatenate([_descriptors(sources[k]) for k in chosen]) if use else None,
                     _relative_extents(target),
+                    target.relations,
                     _descriptors(target) if use else None,
                     lambda_obb=self.lambda_obb,
                     lambda_global=self.lambda_global,
+                    lambda_relation=self.lambda_relation,
                     variant=self.variant,
                 )
             except ValueError as error:
