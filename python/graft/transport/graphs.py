@@ -17,6 +17,9 @@ from graft.transport.solver import Cost, Entropy, Loss, Transport, ufgw_batch
 SALIENCY = 0.6
 """The paper's gamma: factor on a part's mass per hop from the demonstrated part."""
 
+SMALLEST_SHARE = 1e-9
+"""Shares below this (a demonstrated part that goes nowhere) count as this in the ranking."""
+
 EM_RATE = 0.4
 """The paper's lambda of the M-step."""
 
@@ -54,9 +57,12 @@ class UFGW:
 
     with e half extents relative to the object's diagonal, f descriptors and r relations (`PartGraph.relations`);
     structures are the graphs' edge lengths; source masses are volumes damped by `saliency` per hop from the
-    demonstrated part, the target's prior is its volumes. A match is ranked by the transport's cost plus
-    `part_weight` times the feature cost of the demonstrated part and the part it goes to (`matched_part`): most
-    of a transport's cost is about bodies, which are large, and says little about the part that is taken.
+    demonstrated part, the target's prior is its volumes.
+
+    A match is ranked by the transport's cost plus two terms about the demonstrated part p, which goes to part q with a
+    share of s (`matched_part`): `part_weight` M_pq, as most of a transport's cost is about bodies, which are large,
+    and says little about the part that is taken; and `doubt_weight` -log s, as a source that cannot tell two of the
+    target's parts apart should not be the one to choose.
 
     Attributes:
         alpha: Weight of the features; 1 - alpha weighs the structure (POT's alpha is the opposite).
@@ -72,6 +78,7 @@ class UFGW:
             weights stay.
         lambda_relation: Weight of the relations in M; 0 is the paper's.
         part_weight: Weight of the demonstrated part's own feature cost in the ranking; 0 is the paper's.
+        doubt_weight: Weight of -log share in the ranking; 0 is the paper's.
         variant: "graft", or "paper" for the literal sigmoid(|e_i - e_j|) and cos, the latter plus 1 to be
             a cost.
         cost: What transports are ranked by, see `graft.transport.ufgw`.
@@ -92,6 +99,7 @@ class UFGW:
     lambda_global: float = 1.0
     lambda_relation: float = 1.0
     part_weight: float = 0.3
+    doubt_weight: float = 0.1
     variant: Literal["graft", "paper"] = "graft"
     cost: Cost = "sharp"
     tol: float = 1e-6
@@ -153,10 +161,12 @@ class UFGW:
         ]
 
     def _ranked(self, transport: Transport, features: Floats, source_part: int) -> Transport:
-        """Return the transport with the demonstrated part's own cost in its ranking cost and terms."""
-        part, _ = matched_part(transport.plan, transport.target_mass, source_part)
+        """Return the transport with what it says of the demonstrated part in its ranking cost and terms."""
+        part, share = matched_part(transport.plan, transport.target_mass, source_part)
         own = self.part_weight * float(features[source_part, part])
-        return replace(transport, cost=transport.cost + own, terms={**transport.terms, "part": own})
+        doubt = -self.doubt_weight * float(np.log(max(share, SMALLEST_SHARE)))
+        terms = {**transport.terms, "part": own, "doubt": doubt}
+        return replace(transport, cost=transport.cost + own + doubt, terms=terms)
 
     def features(self, sources: Sequence[PartGraph], target: PartGraph) -> list[Floats]:
         """Return the feature cost M (n_k, m) of every source against the target.
