@@ -4,6 +4,7 @@ from math import erf
 
 import numpy as np
 import pytest
+from evaluation_shapes import capped_sphere, strips, turned
 from numpy.testing import assert_allclose
 
 from graft.errors import InputError
@@ -16,7 +17,6 @@ from graft.evaluate.metrics import (
     sample_surface,
 )
 from graft.objects import Part, PartObject
-from evaluation_shapes import capped_sphere, strips, turned
 
 CUT = 0.3
 
@@ -75,8 +75,8 @@ def test_blur_out_of_reach_takes_the_nearest():
 
 
 def test_nss_deep_inside_a_small_blur():
-    # With a sharp mask of share m, NSS is sqrt((1 - m) / m) inside and -sqrt(m / (1 - m)) outside; the blur takes
-    # a little off the deviation.
+    # With a sharp mask of share m, NSS is sqrt((1 - m) / m) inside and -sqrt(m / (1 - m)) outside; the blur
+    # takes a little off the deviation.
     mask = GraspableMask.of(strips(CUT), np.sqrt(2.0))
     inside, outside = mask.measure(np.array([[0.1, 0.5, 0.0], [0.8, 0.5, 0.0]])).nss
     assert_allclose(mask.mean, CUT, atol=2e-3)
@@ -142,7 +142,10 @@ def test_distance_to_a_degenerate_triangle():
 def test_clouds_count_their_points():
     cloud = PartObject(
         "cloud",
-        (Part("a", np.zeros((3, 3)) + [[0, 0, 0], [1, 0, 0], [2, 0, 0]]), Part("b", np.array([[5.0, 0, 0]]))),
+        (
+            Part("a", np.diag([0.0, 1.0, 2.0]) @ np.full((3, 3), [1.0, 0, 0])),
+            Part("b", np.array([[5.0, 0, 0]])),
+        ),
         graspable=(1,),
     )
     surface = sample_surface(cloud)
@@ -160,7 +163,7 @@ def test_where_everything_is_graspable_nss_is_zero():
 
 
 def test_bad_objects_are_named():
-    with pytest.raises(InputError, match="strips.*graspable"):
+    with pytest.raises(InputError, match=r"strips.*graspable"):
         GraspableMask.of(strips(CUT, graspable=()), 1.0)
     flat = Part("flat", np.zeros((3, 3)), np.array([[0, 1, 2]]))
     with pytest.raises(InputError, match="no face with an area"):

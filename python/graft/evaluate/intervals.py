@@ -36,8 +36,8 @@ def bootstrap_mean(
 ) -> Estimate:
     """Return the mean of `values` and its percentile interval, resampling whole targets.
 
-    Values of one target (its contacts, or its transfers from several sources) stand or fall together: they are
-    drawn together, so that measuring a target more often does not make the interval narrower.
+    Values of one target (its contacts, or its transfers from several sources) stand or fall together: they
+    are drawn together, so that measuring a target more often does not make the interval narrower.
 
     Args:
         values: One per prediction.

@@ -7,10 +7,10 @@ The truth is a mask on the target's surface: its graspable parts. For one predic
 * NSS: (w(p) - mean w) / std w, where w is the mask blurred on the surface by a Gaussian of standard deviation
   `BLUR` of the diagonal, and mean and deviation are taken over the surface's area.
 
-The blur is Euclidean, normalised by the kernel's mass: w(p) = sum_q a_q K(|p - q|) m(q) / sum_q a_q K(|p - q|).
-A geodesic one needs one connected surface; objects made of a watertight mesh per part, point clouds and scans with
-holes are none, and at a fiftieth of the diagonal the two differ only where two sheets of different parts run closer
-than that. What Euclid gets wrong there (the mask shines through a thin wall) is within the tolerance of the mask.
+The blur is Euclidean, normalised by the kernel's mass: w(p) = sum a_q K(|p-q|) m(q) / sum a_q K(|p-q|).
+A geodesic one needs one connected surface; objects made of a watertight mesh per part, point clouds and
+scans with holes are none. At a fiftieth of the diagonal the two differ only where sheets of different parts
+run closer than that, and there (the mask shines through a thin wall) by no more than the mask is uncertain.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SURFACE_POINTS = 4096
 """Points that stand for the surface: about ten under the kernel on an object as compact as a sphere."""
 
 TIE = 1e-6
-"""Distances closer than this share of the diagonal are equal; a tie between the mask and the rest is inside."""
+"""Distances closer than this share of the diagonal are equal; a tie of mask and rest is inside."""
 
 BLOCK = 256
 """Points smoothed at a time; bounds the memory of the blur."""
@@ -57,8 +57,8 @@ class Surface:
 def sample_surface(obj: PartObject, count: int = SURFACE_POINTS, seed: int = 0) -> Surface:
     """Return points spread over the surface of `obj` by area.
 
-    Faces are drawn systematically (one uniform offset, equal steps of area), so that every part gets its share
-    to within one point. The points of a cloud are taken as they are, each with the same weight.
+    Faces are drawn systematically (one uniform offset, equal steps of area), so that every part gets its
+    share to within one point. The points of a cloud are taken as they are, each with the same weight.
 
     Raises:
         InputError: Some parts have faces and others are clouds, or no face has any area.
@@ -157,7 +157,7 @@ class PartSurface:
     def distance(self, point: Floats) -> float:
         """Return the exact distance from `point` (3,) to the surface, object units."""
         away = np.sqrt(np.square(self.centers - point).sum(axis=1))
-        # Every triangle reaches its centroid, so one that stays beyond the nearest centroid cannot be nearest.
+        # A triangle reaches its centroid, so one that stays beyond the nearest centroid cannot be nearest.
         near = self.triangles[away - self.radii <= away.min()]
         edges = np.roll(near, -1, axis=1) - near
         offset = point - near

@@ -1,0 +1,340 @@
+"""Ask every method every query, on several processes, and keep what was answered.
+
+A row is one method's answer to one query, with what the metrics say of it. Rows go to `rows.jsonl`, the rows
+of a query in one line, as they come, so that a run that was stopped goes on where it was. The first line tells
+what the rows were made with; a file made with anything else, another version of the code included, is refused.
+The rows, and their order, are the same on any number of workers.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import graft
+from graft.errors import InputError
+from graft.evaluate.methods import Method, Predictor
+from graft.evaluate.metrics import GraspableMask
+from graft.evaluate.protocols import Benchmark, stream
+from graft.graph import PartGraph
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being done, how many are done, how many there are."""
+
+ROWS = "rows.jsonl"
+"""Name of the file of rows within the output folder."""
+
+DIGITS = 9
+"""Significant digits of what the metrics say in a row."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One predicted contact and what the metrics say of it.
+
+    Attributes:
+        source: Name of the demonstration it came from; None when there was none.
+        source_category: Category of its object.
+        part: Name of the target part.
+        right: Whether that part is graspable.
+        inside: Whether the point lies in the mask.
+        nss: Normalised scanpath saliency of the point.
+        distance: From the point to the mask, in shares of the diagonal.
+        confidence: As the method says.
+        point: (3,) in the posed target's frame and units.
+    """
+
+    source: str | None
+    source_category: str | None
+    part: str
+    right: bool
+    inside: bool
+    nss: float
+    distance: float
+    confidence: float | None
+    point: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method's answer to one query.
+
+    Attributes:
+        method: Name of the method.
+        query: Key of the query.
+        target: Key of the target.
+        category: The target's category.
+        exchangeable: The answers are draws without a rank.
+        answers: Best first.
+    """
+
+    method: str
+    query: str
+    target: str
+    category: str
+    exchangeable: bool
+    answers: tuple[Answer, ...] = field(default=())
+
+    @classmethod
+    def read(cls, document: dict[str, Any]) -> Row:
+        """Return the row that a line of the file tells."""
+        answers = tuple(Answer(**{**a, "point": tuple(a["point"])}) for a in document["answers"])
+        return cls(**{**document, "answers": answers})
+
+
+@dataclass(frozen=True, eq=False)
+class _Job:
+    """What a worker needs; sent to it once."""
+
+    benchmark: Benchmark
+    methods: tuple[Method, ...]
+    predictors: tuple[Predictor, ...]
+    k: int
+    masks: dict[int, GraspableMask] = field(default_factory=dict)
+
+    def _mask(self, target: int) -> GraspableMask:
+        """Return the blurred mask of a target, made once for all queries that ask about it."""
+        if target not in self.masks:
+            subject = self.benchmark.subjects[target]
+            self.masks[target] = GraspableMask.of(subject.truth, subject.diagonal)
+        return self.masks[target]
+
+    def rows(self, number: int) -> list[Row]:
+        """Answer query `number` by every method."""
+        query = self.benchmark.queries[number]
+        subject = self.benchmark.subjects[query.target]
+        mask = self._mask(query.target)
+        rows = []
+        for method, predictor in zip(self.methods, self.predictors, strict=True):
+            rng = stream(self.benchmark.posing.seed, method.name, query.key)
+            answers = predictor.predict(query, self.k, rng)
+            measures = mask.measure(np.array([answer.point for answer in answers]).reshape(-1, 3))
+            rows.append(
+                Row(
+                    method=method.name,
+                    query=query.key,
+                    target=subject.key,
+                    category=self.benchmark.category(query.target),
+                    exchangeable=method.exchangeable,
+                    answers=tuple(
+                        Answer(
+                            source=self._source(answer.source),
+                            source_category=self._source_category(answer.source),
+                            part=subject.object.parts[answer.part].name,
+                            right=answer.part in subject.object.graspable,
+                            inside=bool(measures.inside[i]),
+                            nss=_rounded(measures.nss[i]),
+                            distance=_rounded(measures.distance[i]),
+                            confidence=None if answer.confidence is None else _rounded(answer.confidence),
+                            point=(
+                                _rounded(answer.point[0]),
+                                _rounded(answer.point[1]),
+                                _rounded(answer.point[2]),
+                            ),
+                        )
+                        for i, answer in enumerate(answers)
+                    ),
+                )
+            )
+        return rows
+
+    def _source(self, source: int | None) -> str | None:
+        return None if source is None else self.benchmark.sources[source].demonstration.name
+
+    def _source_category(self, source: int | None) -> str | None:
+        return None if source is None else self.benchmark.category(self.benchmark.sources[source].subject)
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
+
+
+_sent: list[_Job] = []
+"""The job of this worker process; empty in the parent."""
+
+
+def _receive(job: _Job) -> None:
+    _sent[:] = [job]
+
+
+def _answer(number: int) -> list[Row]:
+    return _sent[0].rows(number)
+
+
+def evaluate(
+    benchmark: Benchmark,
+    methods: Sequence[Method],
+    *,
+    k: int = 5,
+    workers: int = 1,
+    out: Path | None = None,
+    progress: Progress = lambda *_: None,
+) -> list[Row]:
+    """Ask every method every query.
+
+    Args:
+        benchmark: Objects, demonstrations, queries.
+        methods: With unique names.
+        k: How many ranked contacts each gives.
+        workers: Processes. With more than one, a script that calls this needs the usual
+            `if __name__ == "__main__":` of multiprocessing.
+        out: Folder of `rows.jsonl`; rows found there are not computed again. None keeps nothing.
+        progress: Told what is being done.
+
+    Returns:
+        Rows in the order of queries, and of methods within a query.
+
+    Raises:
+        InputError: Two methods of one name, a number that is not positive, a file of rows made with other
+            settings, or a target without a mask.
+    """
+    names = [method.name for method in methods]
+    if len(set(names)) < len(names):
+        raise InputError(f"methods: expected unique names, got {', '.join(names)}")
+    for name, value in (("k", k), ("workers", workers)):
+        if value < 1:
+            raise InputError(f"{name}: expected at least 1, got {value}")
+    keys = [query.key for query in benchmark.queries]
+    book = None if out is None else _Book.open(out / ROWS, _header(benchmark, methods, k))
+    done = {} if book is None else book.done
+    missing = [i for i, key in enumerate(keys) if key not in done]
+    if missing:
+        job = _fitted(benchmark, methods, k, workers, progress)
+        for count, (number, rows) in enumerate(zip(missing, _stream(job, missing, workers), strict=True)):
+            done[keys[number]] = rows
+            if book is not None:
+                book.write(rows)
+            progress("transferring", len(keys) - len(missing) + count + 1, len(keys))
+    return [row for key in keys for row in done[key]]
+
+
+def fit(
+    benchmark: Benchmark, method: Method, *, workers: int = 1, progress: Progress = lambda *_: None
+) -> Predictor:
+    """Return a method's predictor for a benchmark, to ask it for more than rows (pictures)."""
+    return _fitted(benchmark, [method], 1, workers, progress).predictors[0]
+
+
+def _fitted(
+    benchmark: Benchmark, methods: Sequence[Method], k: int, workers: int, progress: Progress
+) -> _Job:
+    """Build the part graphs that the methods read, each once, and fit the methods."""
+    settings = list(dict.fromkeys(method.graphs for method in methods))
+    graphs: list[tuple[PartGraph, ...]] = []
+    # Threads suffice: building a graph is the core's work, done without the interpreter's lock.
+    with ThreadPoolExecutor(workers) as pool:
+        for setting in settings:
+            built = []
+            for graph in pool.map(setting.build, [subject.object for subject in benchmark.subjects]):
+                built.append(graph)
+                progress(
+                    "part graphs",
+                    len(built) + len(graphs) * len(benchmark.subjects),
+                    len(settings) * len(benchmark.subjects),
+                )
+            graphs.append(tuple(built))
+    predictors = tuple(method.fit(benchmark, graphs[settings.index(method.graphs)]) for method in methods)
+    return _Job(benchmark, tuple(methods), predictors, k)
+
+
+def _stream(job: _Job, numbers: Sequence[int], workers: int) -> Iterator[list[Row]]:
+    """Yield the rows of every query, in order."""
+    if workers == 1 or len(numbers) == 1:
+        yield from map(job.rows, numbers)
+        return
+    # Spawned, not forked: the core's threads would not survive a fork.
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(min(workers, len(numbers)), _receive, (job,)) as pool:
+        yield from pool.imap(_answer, numbers)
+
+
+def _header(benchmark: Benchmark, methods: Sequence[Method], k: int) -> dict[str, Any]:
+    """Return what rows depend on."""
+    return {
+        "graft": graft.__version__,
+        "code": code_fingerprint(),
+        "protocol": benchmark.protocol,
+        "posing": asdict(benchmark.posing),
+        "methods": [method.name for method in methods],
+        "parameters": _digest(repr(list(methods)).encode()),
+        "k": k,
+        "queries": _digest(json.dumps([[q.key, q.target, q.sources] for q in benchmark.queries]).encode()),
+        "objects": _digest(
+            *(b"%s%s" % (s.key.encode(), s.truth.bounds.tobytes()) for s in benchmark.subjects)
+        ),
+    }
+
+
+def _digest(*pieces: bytes) -> str:
+    digest = hashlib.sha256()
+    for piece in pieces:
+        digest.update(piece)
+    return digest.hexdigest()[:16]
+
+
+@cache
+def code_fingerprint() -> str:
+    """Return a digest of the package's Python files and its compiled core: rows of other code are not ours."""
+    root = Path(graft.__file__).parent
+    files = sorted(path for path in root.rglob("*") if path.suffix in (".py", ".so", ".pyd"))
+    return _digest(*(path.read_bytes() for path in files))
+
+
+@dataclass(eq=False)
+class _Book:
+    """The file of rows: a header line, then one line per query."""
+
+    path: Path
+    done: dict[str, list[Row]] = field(default_factory=dict)
+
+    @classmethod
+    def open(cls, path: Path, header: dict[str, Any]) -> _Book:
+        """Read what is there, drop a last line that was cut off, or begin a new file."""
+        book = cls(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        whole = _whole_lines(path)
+        if not whole:
+            path.write_bytes(json.dumps(header).encode() + b"\n")
+            return book
+        found = _parsed(path, 1, whole[0])
+        if found != header:
+            other = next((key for key in header if found.get(key) != header[key]), "format")
+            raise InputError(
+                f"rows made with another {other}; choose another --out or remove the file", path=path
+            )
+        for number, line in enumerate(whole[1:], start=2):
+            rows = [Row.read(document) for document in _parsed(path, number, line)["rows"]]
+            book.done[rows[0].query] = rows
+        os.truncate(path, sum(len(line) + 1 for line in whole))
+        return book
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Add the rows of one query: one write of one line."""
+        line = json.dumps({"rows": [asdict(row) for row in rows]}, allow_nan=False).encode() + b"\n"
+        with self.path.open("ab") as file:
+            file.write(line)
+
+
+def _whole_lines(path: Path) -> list[bytes]:
+    """Return the lines of a file that end in a newline; none when there is no file."""
+    return path.read_bytes().split(b"\n")[:-1] if path.exists() else []
+
+
+def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
+    try:
+        document = json.loads(line)
+    except ValueError as error:
+        raise InputError(f"line {number}: expected JSON, got {line[:40]!r} ({error})", path=path) from None
+    if not isinstance(document, dict) or (number > 1 and "rows" not in document):
+        raise InputError(f"line {number}: expected the rows of a query, got {line[:40]!r}", path=path)
+    return document
