@@ -34,5 +34,5 @@ print(result.transform.round(3))
 # %%
 # A page with both objects, parts coloured by the match. It needs no network.
 page = Path(tempfile.mkdtemp()) / "kettle.html"
-graft.save_scene(page, [graft.Pairing.of(result)])
+graft.save_scene(page, result)
 print(f"{page.name}: {page.stat().st_size / 1e6:.1f} MB")

@@ -19,7 +19,7 @@ from graft.documents import Document, transfer_document
 from graft.io import save_object
 from graft.library import Library
 from graft.objects import Demonstration, PartObject
-from graft.viz import Pairing, save_glb, save_scene, save_sheet
+from graft.viz import save_glb, save_scene, save_sheet
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many are done, how many there are."""
@@ -117,11 +117,11 @@ def run_demo(
         "library": out / "library",
         "targets": out / "targets",
     }
-    pairings = [Pairing.of(row.transferred) for row in rows]
+    transfers = [row.transferred for row in rows]
     drawing: list[tuple[str, Callable[[], object]]] = [
-        ("picture", lambda: save_sheet(written["picture"], pairings)),
-        ("page", lambda: save_scene(written["page"], pairings)),
-        ("model", lambda: save_glb(written["model"], pairings)),
+        ("picture", lambda: save_sheet(written["picture"], transfers)),
+        ("page", lambda: save_scene(written["page"], transfers)),
+        ("model", lambda: save_glb(written["model"], transfers)),
         ("library", lambda: library.save(written["library"])),
         ("targets", lambda: [save_object(o, written["targets"] / f"{o.name}.glb") for o in objects]),
         ("results", lambda: written["results"].write_text(json.dumps(demo_document(rows, seed), indent=1))),

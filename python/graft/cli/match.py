@@ -17,7 +17,6 @@ from graft.io import load_demonstration
 from graft.library import Match, match
 from graft.marking import mark_contact
 from graft.objects import Demonstration
-from graft.viz import Pairing
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class MatchCommand:
             print_json(transfer_document(transferred))
         else:
             _print_plan(found)
-        write_outputs(self.out, [Pairing.of(transferred)])
+        write_outputs(self.out, transferred)
         return EXIT_OK
 
     def _demonstration(self) -> Demonstration:

@@ -11,12 +11,13 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
+from graft.contact import TransferredContact
 from graft.errors import InputError
 from graft.features import Descriptor, GeometricDescriptor
 from graft.io import load_object
 from graft.objects import PartObject
 from graft.transport import UFGW
-from graft.viz import Pairing, save_glb, save_scene, save_sheet
+from graft.viz import save_glb, save_scene, save_sheet
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def check_outputs(paths: tuple[Path, ...], kinds: Iterable[str] = _WRITERS) -> N
             raise InputError(f"--out: expected a file ending in {', '.join(kinds)}, got {str(path)!r}")
 
 
-def write_outputs(paths: tuple[Path, ...], pairings: Sequence[Pairing]) -> None:
-    """Write a picture, a page or a model of the pairings, by suffix."""
+def write_outputs(paths: tuple[Path, ...], transfers: TransferredContact | Sequence[TransferredContact]) -> None:
+    """Write a picture, a page or a model of the transfers, by suffix."""
     for path in paths:
-        _WRITERS[path.suffix.lower()](path, pairings)
+        _WRITERS[path.suffix.lower()](path, transfers)

@@ -14,7 +14,6 @@ from graft.cli.options import Loading, LoadingFlags, Matching, MatchingFlags, ch
 from graft.contact import TransferredContact, transfer_contact
 from graft.documents import transfer_document
 from graft.library import Library
-from graft.viz import Pairing
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ class TransferCommand:
             print_json({"target": target.name, "matches": [transfer_document(r) for r in results]})
         else:
             _print_contacts(target.name, results)
-        write_outputs(self.out, [Pairing.of(r) for r in results])
+        write_outputs(self.out, results)
         return EXIT_OK
 
 

@@ -1,1 +1,24 @@
-//! Unbalanced fused Gromov-Wasserstein transport.
+//! Unbalanced fused Gromov-Wasserstein transport between two small weighted graphs, with EM on the target masses.
+//!
+//! The objective over plans T (n x m), with KL(p|q) = sum p log(p/q) - p + q:
+//!
+//! ```text
+//! F(T) = (1-alpha) 1/2 sum loss(A_ii', B_jj') T_ij T_i'j' + alpha <M, T>
+//!        + tau_s KL(T1 | mu) + tau_t KL(T'1 | nu) + eps KL(T | R),      R = mu nu' by default
+//! ```
+//!
+//! alpha weighs features and 1 - alpha structure, as in the paper; POT's alpha is the opposite.
+//!
+//! [`problem`] checks the data, [`cost`] linearises the structure term, [`sinkhorn`] solves the linear problem,
+//! [`objective`] evaluates F, [`ufgw`] loops, [`batch`] runs many pairs, [`feature`] makes M from part graphs.
+
+pub mod batch;
+pub mod cost;
+pub mod feature;
+pub mod objective;
+pub mod problem;
+pub mod sinkhorn;
+pub mod ufgw;
+
+pub use problem::{Entropy, Input, Loss, Options, Problem};
+pub use ufgw::{Solution, solve};

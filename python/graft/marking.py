@@ -1,0 +1,218 @@
+"""Contacts on surfaces: snap a point to a part, or choose one, and call it a demonstration."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graft.errors import InputError
+from graft.objects import Contact, Demonstration, Floats, Ints, Part, PartObject
+
+CENTER_SAMPLES = 512
+"""Surface points among which the middle of a part is sought; on a handle they are about 4 % of its length apart."""
+
+CENTER_NEIGHBOURS = 8
+"""Nearest samples that a sample is connected to when distances along the surface are measured."""
+
+CENTER_BAND = 1.1
+"""Samples whose mean distance along the surface is within this factor of the least are all in the middle; among them
+the side facing away from the object is taken. Ten per cent spans the girth of a bar, not its length."""
+
+
+def closest_surface_point(part: Part, point: ArrayLike) -> tuple[Floats, Floats, float]:
+    """Return the point of a part's surface that is closest to a given one.
+
+    Ties go to the lowest face (point clouds: point).
+
+    Args:
+        part: A piece of surface or a point cloud.
+        point: (3,) in the object frame, object units.
+
+    Returns:
+        The point (3,), the outward unit normal (3,) there, and the distance. A face's side is told by its winding; a
+        closed surface that is wound inside out is noticed and turned. A cloud without normals gets the normal of
+        the plane through the neighbours, turned away from the cloud's middle.
+
+    Raises:
+        InputError: The point is not three finite numbers.
+    """
+    query = np.asarray(point, np.float64)
+    if query.shape != (3,) or not np.isfinite(query).all():
+        raise InputError(f"point: expected three finite numbers, got {point!r}")
+    if part.is_point_cloud:
+        distances = np.linalg.norm(part.vertices - query, axis=1)
+        index = int(np.argmin(distances))
+        return part.vertices[index].copy(), _cloud_normal(part, index), float(distances[index])
+    closest = _closest_on_triangles(part.vertices[part.faces], query)
+    squared = np.square(closest - query).sum(axis=1)
+    # Points on an edge belong to two faces; rounding must not choose between them.
+    tie = 1e-12 * (squared.min() + np.square(np.ptp(part.vertices, axis=0)).sum())
+    face = int(np.flatnonzero(squared <= squared.min() + tie)[0])
+    return closest[face].copy(), _face_normal(part, face), float(np.sqrt(squared[face]))
+
+
+def mark_contact(
+    obj: PartObject,
+    part: int | str,
+    point: ArrayLike | None = None,
+    *,
+    approach: ArrayLike | None = None,
+    name: str = "",
+    metadata: Mapping[str, Any] | None = None,
+) -> Demonstration:
+    """Mark where an object is taken.
+
+    Args:
+        obj: The object.
+        part: The part that is taken: index, name, or a label that only one part has.
+        point: (3,) near the part, object frame and units; the contact is the closest point of the part's surface.
+            Without it the contact lies in the part's middle, see `middle_point`.
+        approach: (3,) direction in which the gripper comes, object frame.
+        name: Of the demonstration; the object's name by default.
+        metadata: Travels with the demonstration.
+
+    Returns:
+        The object with a contact on the part's surface and the outward normal there.
+
+    Raises:
+        InputError: There is no such part, or the point is further from the part than the object is large.
+    """
+    index = obj.part_index(part)
+    chosen = obj.parts[index]
+    where = middle_point(obj, index) if point is None else point
+    place, normal, distance = closest_surface_point(chosen, where)
+    size = float(np.linalg.norm(np.ptp(obj.bounds, axis=0)))
+    if distance > size:
+        raise InputError(
+            f"point: {np.asarray(where).tolist()} is {distance:.4g} away from part {chosen.name!r}, "
+            f"the whole object is {size:.4g} across; are the units the object's?"
+        )
+    direction = None if approach is None else np.asarray(approach, np.float64)
+    return Demonstration(obj, Contact(place, normal, index, direction), name, dict(metadata or {}))
+
+
+def middle_point(obj: PartObject, part: int | str) -> Floats:
+    """Return a point (3,) on a part's surface in its middle: of a curved handle, the middle of the bar.
+
+    Middle means the least mean distance along the surface to the rest of it (the medoid of `CENTER_SAMPLES` evenly
+    spread points under shortest paths between neighbours; of several disconnected pieces, the largest). Among the
+    samples round about, the one is taken whose normal points furthest away from the middle of the object.
+    No randomness; ties go to the sample that comes first in the order of faces.
+    """
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components, shortest_path
+    from scipy.spatial import cKDTree
+
+    chosen = obj.parts[obj.part_index(part)]
+    points, normals = _spread_samples(chosen)
+    if len(points) < 3:
+        first: Floats = points[0].copy()
+        return first
+    near = min(CENTER_NEIGHBOURS + 1, len(points))
+    lengths, neighbours = map(np.asarray, cKDTree(points).query(points, k=near))
+    rows = np.repeat(np.arange(len(points)), near)
+    # Coincident samples are joined by a tiny length: zero would mean no edge.
+    floor = max(float(lengths.max()), 1e-300) * 1e-9
+    graph = csr_matrix((np.maximum(lengths, floor).ravel(), (rows, neighbours.ravel())), (len(points),) * 2)
+    _, component = connected_components(graph, directed=False)
+    members = np.flatnonzero(component == np.bincount(component).argmax())
+    mean = shortest_path(graph[members][:, members], directed=False).mean(axis=1)
+    ring = members[mean <= CENTER_BAND * mean.min()]
+    outwards = points[ring] - obj.bounds.mean(axis=0)
+    facing = (normals[ring] * outwards).sum(axis=1) / np.maximum(np.linalg.norm(outwards, axis=1), floor)
+    chosen_point: Floats = points[ring[int(np.argmax(np.round(facing, 9)))]].copy()
+    return chosen_point
+
+
+def _spread_samples(part: Part) -> tuple[Floats, Floats]:
+    """Return up to `CENTER_SAMPLES` points evenly spread over a part (s, 3), and unit normals (s, 3)."""
+    if part.is_point_cloud:
+        step = max(1, len(part.vertices) // CENTER_SAMPLES)
+        rows = range(0, len(part.vertices), step)
+        return part.vertices[::step], np.array([_cloud_normal(part, i) for i in rows])
+    corners = part.vertices[part.faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled = np.linalg.norm(cross, axis=1)
+    total = np.cumsum(doubled)
+    if not total[-1] > 0:
+        return corners.mean(axis=1), np.tile([0.0, 0.0, 1.0], (len(corners), 1))
+    steps = (np.arange(CENTER_SAMPLES) + 0.5) / CENTER_SAMPLES
+    faces = np.minimum(np.searchsorted(total, steps * total[-1]), len(total) - 1)
+    # The R2 sequence (Roberts 2018) covers the square evenly; folding takes it to the triangle.
+    plastic = 1.32471795724474602596
+    u, v = ((np.arange(1, CENTER_SAMPLES + 1)[:, None] / plastic ** np.array([1, 2])) % 1.0).T
+    over = u + v > 1
+    u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
+    a, b, c = corners[faces].transpose(1, 0, 2)
+    points: Floats = a + u[:, None] * (b - a) + v[:, None] * (c - a)
+    normals: Floats = cross[faces] / doubled[faces, None]
+    return points, -normals if _inside_out(part) else normals
+
+
+def _closest_on_triangles(corners: Floats, query: Floats) -> Floats:
+    """Return (f, 3) the closest point of each triangle (f, 3, 3) to `query` (3,).
+
+    Ericson, Real-Time Collision Detection (2005), section 5.1.5, for all triangles at once: the projection where it
+    falls inside, else the best of the three clamped edges.
+    """
+    a, b, c = corners.transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    squared = np.square(normal).sum(axis=1)
+    safe = np.where(squared > 0, squared, 1.0)
+    offset = query - a
+    # Barycentric coordinates of the projection.
+    v = (np.cross(offset, c - a) * normal).sum(axis=1) / safe
+    w = (np.cross(b - a, offset) * normal).sum(axis=1) / safe
+    inside = (squared > 0) & (v >= 0) & (w >= 0) & (v + w <= 1)
+    best = a + v[:, None] * (b - a) + w[:, None] * (c - a)
+    least = np.where(inside, np.square(best - query).sum(axis=1), np.inf)
+    for start, end in ((a, b), (b, c), (c, a)):
+        edge = end - start
+        length = np.square(edge).sum(axis=1)
+        along = ((query - start) * edge).sum(axis=1) / np.where(length > 0, length, 1.0)
+        point = start + np.clip(along, 0.0, 1.0)[:, None] * edge
+        apart = np.square(point - query).sum(axis=1)
+        closer = apart < least
+        best = np.where(closer[:, None], point, best)
+        least = np.where(closer, apart, least)
+    return best
+
+
+def _face_normal(part: Part, face: int) -> Floats:
+    """Return the outward unit normal (3,) of a face."""
+    a, b, c = part.vertices[part.faces[face]]
+    cross = np.cross(b - a, c - a)
+    length = float(np.linalg.norm(cross))
+    if length == 0:
+        raise InputError(f"part {part.name!r} face {face}: it has no area and so no normal")
+    normal: Floats = cross / (-length if _inside_out(part) else length)
+    return normal
+
+
+def _inside_out(part: Part) -> bool:
+    """Tell whether a closed surface encloses a negative volume; open pieces are taken at their winding."""
+    faces: Ints = part.faces
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    keys = edges[:, 0] * len(part.vertices) + edges[:, 1]
+    back = edges[:, 1] * len(part.vertices) + edges[:, 0]
+    if not np.array_equal(np.sort(keys), np.sort(back)):
+        return False
+    a, b, c = (part.vertices - part.vertices.mean(axis=0))[faces].transpose(1, 0, 2)
+    return float((a * np.cross(b, c)).sum()) < 0
+
+
+def _cloud_normal(part: Part, index: int) -> Floats:
+    """Return the outward unit normal (3,) of a cloud's point."""
+    if part.normals is not None and np.linalg.norm(part.normals[index]) > 0:
+        given: Floats = part.normals[index] / np.linalg.norm(part.normals[index])
+        return given
+    offsets = part.vertices - part.vertices[index]
+    near = np.argsort(np.square(offsets).sum(axis=1), kind="stable")[: CENTER_NEIGHBOURS + 1]
+    patch = part.vertices[near] - part.vertices[near].mean(axis=0)
+    normal: Floats = np.linalg.svd(patch, full_matrices=True)[2][-1]
+    outwards = part.vertices[index] - part.vertices.mean(axis=0)
+    side = float(normal @ outwards)
+    return -normal if side < 0 else normal.copy()

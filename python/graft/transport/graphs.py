@@ -1,0 +1,173 @@
+"""The solver on part graphs: masses, feature costs and structures come from the graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from graft import _core
+from graft.errors import InputError
+from graft.graph import PartGraph, source_mass, target_prior
+from graft.objects import Floats
+from graft.transport.solver import Cost, Entropy, Loss, Transport, ufgw_batch
+
+SALIENCY = 0.6
+"""The paper's gamma: factor on a part's mass per hop from the demonstrated part."""
+
+EM_RATE = 0.4
+"""The paper's lambda of the M-step."""
+
+
+@dataclass(frozen=True)
+class UFGW:
+    """Match part graphs by unbalanced fused Gromov-Wasserstein transport with EM target masses.
+
+    The feature cost is M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)), e half extents
+    relative to the object's diagonal and f descriptors; structures are the graphs' edge lengths; source masses
+    are volumes damped by `saliency` per hop from the demonstrated part, the target's prior is its volumes.
+
+    Attributes:
+        alpha: Weight of the features; 1 - alpha weighs the structure (POT's alpha is the opposite).
+        tau_s: Price of a source marginal other than the source masses; 0 frees it, inf fixes it.
+        tau_t: Price of a target marginal other than the target masses.
+        eps: Weight of the entropy.
+        loss: "square" or "absolute".
+        entropy: "relative", "plain" or "unit".
+        em_rate: Share of the received mass in the M-step; None switches EM off.
+        saliency: gamma of the source masses.
+        lambda_obb: Weight of the boxes in M.
+        lambda_global: Weight of the descriptors in M; without descriptors their term is dropped, the weights stay.
+        variant: "graft", or "paper" for the literal sigmoid(|e_i - e_j|) and cos, the latter plus 1 to be a cost.
+        cost: What transports are ranked by, see `graft.transport.ufgw`.
+        tol: Relative L1 change that counts as settled.
+        max_outer: Linearisations at most.
+        threads: 0 takes one per core; the results do not depend on it.
+    """
+
+    alpha: float = 0.5
+    tau_s: float = 1.0
+    tau_t: float = 1.0
+    eps: float = 0.05
+    loss: Loss = "square"
+    entropy: Entropy = "relative"
+    em_rate: float | None = EM_RATE
+    saliency: float = SALIENCY
+    lambda_obb: float = 1.0
+    lambda_global: float = 1.0
+    variant: Literal["graft", "paper"] = "graft"
+    cost: Cost = "sharp"
+    tol: float = 1e-6
+    max_outer: int = 200
+    threads: int = 0
+
+    def __call__(self, source: PartGraph, target: PartGraph, source_part: int) -> Transport:
+        """Match one source, demonstrated at `source_part`, against a target.
+
+        Raises:
+            InputError: `source_part` is no part of the source, the graphs' descriptors differ, or a parameter is
+                out of range.
+        """
+        return self.batch([source], [source_part], target)[0]
+
+    def batch(
+        self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph
+    ) -> list[Transport]:
+        """Match many sources against one target, in order.
+
+        Raises:
+            InputError: As `__call__`, or as many parts as sources are not given.
+        """
+        if len(sources) != len(source_parts):
+            raise InputError(f"source_parts: expected {len(sources)}, one per source, got {len(source_parts)}")
+        for source, part in zip(sources, source_parts, strict=True):
+            if not 0 <= part < len(source.centers):
+                raise InputError(
+                    f"source_part: expected 0 to {len(source.centers) - 1} in {source.object.name}, got {part}"
+                )
+        if not sources:
+            return []
+        prior = target_prior(target)
+        features = self.features(sources, target)
+        self_features = None
+        if self.cost == "debiased":
+            own_target = self.features([target], target)[0]
+            self_features = [(self.features([source], source)[0], own_target) for source in sources]
+        count = len(sources)
+        return ufgw_batch(
+            features,
+            [source.structure for source in sources],
+            [target.structure] * count,
+            [source_mass(s, part, self.saliency) for s, part in zip(sources, source_parts, strict=True)],
+            [prior] * count,
+            alpha=self.alpha,
+            tau_s=self.tau_s,
+            tau_t=self.tau_t,
+            eps=self.eps,
+            loss=self.loss,
+            entropy=self.entropy,
+            em_rate=self.em_rate,
+            cost=self.cost,
+            self_features=self_features,
+            tol=self.tol,
+            max_outer=self.max_outer,
+            threads=self.threads,
+        )
+
+    def features(self, sources: Sequence[PartGraph], target: PartGraph) -> list[Floats]:
+        """Return the feature cost M (n_k, m) of every source against the target.
+
+        Raises:
+            InputError: Both sides have descriptors, of different names or dimensions.
+        """
+        described = [_described(source, target) for source in sources]
+        costs: list[Floats] = [np.empty(0)] * len(sources)
+        for use in (True, False):
+            chosen = [k for k, d in enumerate(described) if d == use]
+            if not chosen:
+                continue
+            try:
+                stacked = _core.feature_costs(
+                    np.concatenate([_relative_extents(sources[k]) for k in chosen]),
+                    np.concatenate([_descriptors(sources[k]) for k in chosen]) if use else None,
+                    _relative_extents(target),
+                    _descriptors(target) if use else None,
+                    lambda_obb=self.lambda_obb,
+                    lambda_global=self.lambda_global,
+                    variant=self.variant,
+                )
+            except ValueError as error:
+                raise InputError(str(error)) from None
+            ends = np.cumsum([len(sources[k].centers) for k in chosen])[:-1]
+            for k, matrix in zip(chosen, np.split(stacked, ends), strict=True):
+                costs[k] = matrix
+        return costs
+
+
+def _relative_extents(graph: PartGraph) -> Floats:
+    """Return the half extents (n, 3) in diagonals of the object."""
+    return np.ascontiguousarray(graph.half_extents / graph.diagonal, np.float64)
+
+
+def _descriptors(graph: PartGraph) -> Floats:
+    """Return the descriptors (n, d) of a graph that has some."""
+    return np.ascontiguousarray(graph.descriptors, np.float64)
+
+
+def _described(source: PartGraph, target: PartGraph) -> bool:
+    """Return whether both graphs have descriptors, which must then be the same ones."""
+    if source.descriptors is None or target.descriptors is None:
+        return False
+    names = [
+        f"{graph.descriptor_name} ({graph.descriptors.shape[1]}-d)"
+        for graph in (source, target)
+        if graph.descriptors is not None
+    ]
+    if names[0] != names[1]:
+        raise InputError(
+            f"descriptors: expected one kind, got {names[0]} for {source.object.name} "
+            f"and {names[1]} for {target.object.name}"
+        )
+    return True

@@ -1,0 +1,41 @@
+"""Shapes as the meshes that pages and models are written from."""
+
+from __future__ import annotations
+
+import numpy as np
+import trimesh
+from trimesh.visual.material import PBRMaterial
+
+from graft.objects import Floats
+from graft.viz.shapes import Shape
+
+CREASE = np.radians(40.0)
+"""Faces that bend by more have a sharp edge between them."""
+
+
+def surface(shape: Shape, opacity: float = 1.0) -> trimesh.Trimesh | trimesh.PointCloud:
+    """Return a shape as a mesh with its colour, vertices doubled along creases; clouds stay clouds."""
+    if not len(shape.faces):
+        return trimesh.PointCloud(shape.vertices, colors=np.tile((*shape.color, 255), (len(shape.vertices), 1)))
+    mesh = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
+    if len(mesh.faces) > 1 and mesh.area > 0:
+        mesh = trimesh.graph.smooth_shade(mesh, angle=CREASE)
+    mesh.visual = trimesh.visual.TextureVisuals(
+        material=PBRMaterial(
+            baseColorFactor=(*shape.color, round(255 * opacity)),
+            alphaMode="OPAQUE" if opacity >= 1.0 else "BLEND",
+            metallicFactor=0.0,
+            roughnessFactor=0.65,
+            doubleSided=True,
+        )
+    )
+    return mesh
+
+
+def quaternion(pose: Floats) -> Floats:
+    """Return (4,) wxyz of a similarity (4, 4)."""
+    linear = pose[:3, :3]
+    rigid = np.eye(4)
+    rigid[:3, :3] = linear / np.cbrt(np.linalg.det(linear))
+    wxyz: Floats = trimesh.transformations.quaternion_from_matrix(rigid)
+    return wxyz

@@ -1,0 +1,178 @@
+"""`save_scene`, `save_object_scene`: pages that open from a file, without a network."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from graft.errors import MissingExtraError
+from graft.objects import Floats, PartObject
+from graft.viz.colors import CONTACT
+from graft.viz.files import check_output, write_whole
+from graft.viz.layout import Cell, Placed, lay_out, place_alone
+from graft.viz.meshes import quaternion, surface
+from graft.viz.shapes import ARROW_LENGTH, BALL_RADIUS
+from graft.viz.transfers import as_sequence
+
+if TYPE_CHECKING:
+    from graft.contact.transfer import TransferredContact
+
+FIELD_OF_VIEW = np.radians(32.0)
+"""Of the page's camera, vertically; narrow, so that objects at the rim are not stretched."""
+
+VIEW_DIRECTION = np.array([0.0, -0.84, 0.54])
+"""From the middle of the scene to the camera."""
+
+ASPECT = 1.5
+"""Width to height of the window that a scene is framed for."""
+
+LABEL_HEIGHT = 0.075
+"""Height of labels, in diagonals of an object."""
+
+
+def save_scene(path: str | Path, transfers: TransferredContact | Sequence[TransferredContact]) -> None:
+    """Write transfers as one self-contained HTML page.
+
+    Sources stand to the left of their targets; parts have the colours of the match, lines join matched parts
+    (thicker and more opaque where more mass goes), contacts have a red ball and their frame's axes, blue the normal.
+
+    Args:
+        path: Ends in .html.
+        transfers: One or several.
+
+    Raises:
+        InputError: No transfer, or the file cannot be written.
+        MissingExtraError: viser (or fast-simplification, for large meshes) is not installed.
+    """
+    path = check_output(path, ".html")
+    cells = lay_out(as_sequence(transfers))
+    with _page(path) as server:
+        for cell in cells:
+            _add_cell(server.scene, cell)
+        corners = [_extent(side) for cell in cells for side in (cell.source, cell.target)]
+        corners += [cell.front[None] for cell in cells]
+        _frame(server, np.concatenate(corners))
+
+
+def save_object_scene(path: str | Path, obj: PartObject) -> None:
+    """Write one object, its parts in colours and named, as one self-contained HTML page.
+
+    Args:
+        path: Ends in .html.
+        obj: The object.
+
+    Raises:
+        InputError: The file cannot be written.
+        MissingExtraError: viser (or fast-simplification, for large meshes) is not installed.
+    """
+    path = check_output(path, ".html")
+    placed = place_alone(obj)
+    with _page(path) as server:
+        _add_object(server.scene, placed)
+        for i, (shape, center) in enumerate(zip(placed.shapes, placed.centers, strict=True)):
+            star = "*" if i in obj.graspable else ""
+            _label(server.scene, f"names/{i}", shape.name + star, center)
+        _frame(server, _extent(placed))
+
+
+@contextlib.contextmanager
+def _page(path: Path) -> Iterator[Any]:
+    """Give a viser server to fill, and write what it shows; it is reachable from nowhere else and does not stay."""
+    try:
+        import viser
+    except ImportError:
+        raise MissingExtraError("writing pages", package="viser", extra="viz") from None
+    # Port 0: any that is free, on this machine alone. viser's greeting is no part of the output.
+    with contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        try:
+            server.scene.set_up_direction("+z")
+            server.scene.world_axes.visible = False
+            yield server
+            html = server.scene.as_html()
+        finally:
+            server.stop()
+    write_whole(path, html.encode())
+
+
+def _add_cell(scene: Any, cell: Cell) -> None:
+    """Add both objects of a transfer, the lines between them and the caption."""
+    for placed in (cell.source, cell.target):
+        _add_object(scene, placed)
+    for i, link in enumerate(cell.links):
+        faded = np.array(link.color) + (1.0 - link.strength) * 0.7 * (255.0 - np.array(link.color))
+        scene.add_line_segments(
+            f"{cell.name}/links/{i}",
+            np.array([[link.start, link.end]], np.float32),
+            np.round(np.tile(faded, (1, 2, 1))).astype(np.uint8),
+            thickness=0.004 + 0.012 * link.strength,
+        )
+    _label(scene, f"{cell.name}/caption", cell.caption, cell.front)
+
+
+def _add_object(scene: Any, placed: Placed) -> None:
+    """Add an object's parts, its title above it, and its contact."""
+    scale = float(np.cbrt(np.linalg.det(placed.pose[:3, :3])))
+    scene.add_frame(
+        placed.name, show_axes=False, wxyz=quaternion(placed.pose), position=placed.pose[:3, 3], scale=scale
+    )
+    for i, shape in enumerate(placed.shapes):
+        name = f"{placed.name}/{i}_{shape.name.replace('/', '_')}"
+        if len(shape.faces):
+            scene.add_mesh_trimesh(name, surface(shape))
+        else:
+            scene.add_point_cloud(
+                name, shape.vertices.astype(np.float32), shape.color, point_size=2 * shape.radius, point_shape="circle"
+            )
+    middle = np.append(_extent(placed)[:, :2].mean(axis=0), placed.height + LABEL_HEIGHT)
+    _label(scene, f"{placed.name}_title", placed.title, middle)
+    if placed.contact is None:
+        return
+    pose = placed.contact_pose(placed.contact)
+    scene.add_icosphere(f"{placed.name}_contact/ball", BALL_RADIUS, CONTACT, position=pose[:3, 3])
+    scene.add_frame(
+        f"{placed.name}_contact/frame",
+        wxyz=quaternion(pose),
+        position=pose[:3, 3],
+        axes_length=ARROW_LENGTH,
+        axes_radius=0.006,
+        origin_radius=0.0,
+    )
+
+
+def _label(scene: Any, name: str, text: str, position: Floats) -> None:
+    scene.add_label(
+        name,
+        text,
+        position=position,
+        font_size_mode="scene",
+        font_scene_height=LABEL_HEIGHT,
+        anchor="center-center",
+    )
+
+
+def _extent(placed: Placed) -> Floats:
+    """Return (8, 3) corners of an object's box, world."""
+    points = np.concatenate([s.vertices for s in placed.shapes]) @ placed.pose[:3, :3].T + placed.pose[:3, 3]
+    low, high = points.min(axis=0), points.max(axis=0)
+    return np.array([[(low, high)[i >> k & 1][k] for k in range(3)] for i in range(8)])
+
+
+def _frame(server: Any, points: Floats) -> None:
+    """Put the camera where all `points` (p, 3) are seen."""
+    toward = VIEW_DIRECTION / np.linalg.norm(VIEW_DIRECTION)
+    right = np.array([1.0, 0.0, 0.0])
+    up = np.cross(toward, right)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    offsets = points - middle
+    half = np.tan(FIELD_OF_VIEW / 2)
+    needed = np.maximum(np.abs(offsets @ up), np.abs(offsets @ right) / ASPECT) / half + offsets @ toward
+    server.initial_camera.fov = float(FIELD_OF_VIEW)
+    server.initial_camera.position = middle + 1.12 * float(needed.max()) * toward
+    server.initial_camera.look_at = middle
+    server.initial_camera.up = np.array([0.0, 0.0, 1.0])

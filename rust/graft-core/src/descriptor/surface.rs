@@ -1,0 +1,155 @@
+//! One part in its own frame: centred, root-mean-square radius 1, principal axes, and evenly sampled.
+//!
+//! Everything later reads this form, so that no feature depends on where the part lies or how large it is.
+
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+pub type Point = Vector3<f64>;
+
+/// Extent below which a part counts as one point, relative to its coordinates' magnitude.
+const POINT_EXTENT: f64 = 1e-12;
+/// Principal standard deviations are at least this share of the largest: flat and straight parts get a thickness.
+pub const FLOOR: f64 = 1e-3;
+/// Additive steps of the two-dimensional golden-ratio sequence (plastic number, Roberts 2018).
+const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+
+/// A part in its own frame.
+pub struct Surface {
+    /// Vertices; those that no face uses are left out when there are faces.
+    pub vertices: Vec<Point>,
+    /// Triangles of non-zero area; empty for clouds.
+    pub faces: Vec<[usize; 3]>,
+    /// Area of every triangle.
+    pub areas: Vec<f64>,
+    /// Principal standard deviations of the surface, longest first, floored.
+    pub deviations: [f64; 3],
+    /// Points spread evenly over the surface (for clouds: points of the cloud).
+    pub samples: Vec<Point>,
+}
+
+impl Surface {
+    /// Bring a part to its own frame and sample it; `None` when all its points coincide.
+    pub fn new(vertices: &[[f64; 3]], faces: &[[i64; 3]], n_samples: usize, seed: u64) -> Option<Self> {
+        let (mut vertices, faces) = used(vertices, faces);
+        // Dividing first keeps the differences of huge coordinates finite.
+        let magnitude = vertices.iter().flat_map(|v| v.iter()).fold(0.0_f64, |m, x| m.max(x.abs()));
+        if magnitude == 0.0 {
+            return None;
+        }
+        for vertex in &mut vertices {
+            *vertex = Point::new(vertex.x / magnitude, vertex.y / magnitude, vertex.z / magnitude);
+        }
+        let low = vertices.iter().fold(vertices[0], |a, b| a.inf(b));
+        let high = vertices.iter().fold(vertices[0], |a, b| a.sup(b));
+        let extent = (high - low).max();
+        if extent < POINT_EXTENT {
+            return None;
+        }
+        for vertex in &mut vertices {
+            *vertex = (*vertex - low) / extent;
+        }
+
+        let areas: Vec<f64> = faces
+            .iter()
+            .map(|&[a, b, c]| 0.5 * (vertices[b] - vertices[a]).cross(&(vertices[c] - vertices[a])).norm())
+            .collect();
+        let (faces, areas): (Vec<_>, Vec<_>) =
+            faces.into_iter().zip(areas).filter(|&(_, area)| area > 0.0).unzip();
+
+        let (centre, covariance) = moments(&vertices, &faces, &areas);
+        let (axes, deviations) = principal(&covariance);
+        let radius = deviations.iter().map(|s| s * s).sum::<f64>().sqrt();
+        for vertex in &mut vertices {
+            *vertex = axes.transpose() * (*vertex - centre) / radius;
+        }
+        let areas = areas.iter().map(|area| area / (radius * radius)).collect::<Vec<_>>();
+        let samples = sample(&vertices, &faces, &areas, n_samples, seed);
+        Some(Self { vertices, faces, areas, deviations: deviations.map(|s| s / radius), samples })
+    }
+}
+
+/// Vertices that faces use, with the faces renumbered; all vertices when there are no faces.
+fn used(vertices: &[[f64; 3]], faces: &[[i64; 3]]) -> (Vec<Point>, Vec<[usize; 3]>) {
+    if faces.is_empty() {
+        return (vertices.iter().map(|&v| Point::from(v)).collect(), Vec::new());
+    }
+    let mut number = vec![usize::MAX; vertices.len()];
+    let mut kept = Vec::with_capacity(vertices.len());
+    let mut renumbered = Vec::with_capacity(faces.len());
+    for face in faces {
+        renumbered.push(face.map(|index| {
+            let old = index as usize;
+            if number[old] == usize::MAX {
+                number[old] = kept.len();
+                kept.push(Point::from(vertices[old]));
+            }
+            number[old]
+        }));
+    }
+    (kept, renumbered)
+}
+
+/// Mean and covariance of the surface, integrated exactly over the triangles; of the points when there are none.
+fn moments(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64]) -> (Point, Matrix3<f64>) {
+    let mut total = 0.0;
+    let mut first = Point::zeros();
+    let mut second = Matrix3::zeros();
+    for (&[a, b, c], area) in faces.iter().zip(areas) {
+        let (a, b, c) = (vertices[a], vertices[b], vertices[c]);
+        let sum = a + b + c;
+        total += area;
+        first += sum * (area / 3.0);
+        second += (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose())
+            * (area / 12.0);
+    }
+    if faces.is_empty() {
+        for v in vertices {
+            total += 1.0;
+            first += v;
+            second += v * v.transpose();
+        }
+    }
+    let centre = first / total;
+    (centre, second / total - centre * centre.transpose())
+}
+
+/// Axes (columns, longest first) and floored standard deviations of a covariance.
+pub fn principal(covariance: &Matrix3<f64>) -> (Matrix3<f64>, [f64; 3]) {
+    let eigen = covariance.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+    let axes = Matrix3::from_columns(&order.map(|i| eigen.eigenvectors.column(i).into_owned()));
+    let deviations = order.map(|i| eigen.eigenvalues[i].max(0.0).sqrt());
+    (axes, deviations.map(|s| s.max(FLOOR * deviations[0])))
+}
+
+/// Systematic sampling by area in face order: neighbouring faces share samples evenly, so the noise is small.
+fn sample(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64], n: usize, seed: u64) -> Vec<Point> {
+    let mut random = Pcg64::seed_from_u64(seed);
+    let shifts: [f64; 3] = random.random();
+    if faces.is_empty() {
+        let step = vertices.len() as f64 / n as f64;
+        return if step <= 1.0 {
+            vertices.to_vec()
+        } else {
+            (0..n).map(|i| vertices[((i as f64 + shifts[0]) * step) as usize % vertices.len()]).collect()
+        };
+    }
+    let total: f64 = areas.iter().sum();
+    let mut samples = Vec::with_capacity(n);
+    let mut passed = 0.0;
+    for (&[a, b, c], area) in faces.iter().zip(areas) {
+        passed += area / total * n as f64;
+        while samples.len() < n && samples.len() as f64 + shifts[0] < passed {
+            let at = samples.len() as f64;
+            let (mut s, mut t) = ((shifts[1] + at * R2[0]).fract(), (shifts[2] + at * R2[1]).fract());
+            if s + t > 1.0 {
+                (s, t) = (1.0 - s, 1.0 - t);
+            }
+            samples.push(vertices[a] * (1.0 - s - t) + vertices[b] * s + vertices[c] * t);
+        }
+    }
+    samples
+}

@@ -1,0 +1,104 @@
+//! Relations between parts.
+
+use graft_core::{Error, graph};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+
+use crate::convert::{finite, slice, to_py};
+use crate::geometry::boxes;
+
+fn square<'py, T: numpy::Element>(py: Python<'py>, n: usize, data: Vec<T>) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let table = Array2::from_shape_vec((n, n), data)
+        .map_err(|e| to_py(&Error::shape("table", format!("({n}, {n})"), e)))?;
+    Ok(table.into_pyarray(py))
+}
+
+fn check_square(name: &'static str, (rows, columns): (usize, usize), n: usize) -> PyResult<()> {
+    if (rows, columns) == (n, n) {
+        return Ok(());
+    }
+    Err(to_py(&Error::shape(name, format!("shape ({n}, {n})"), format!("({rows}, {columns})"))))
+}
+
+/// Distances (n, n) between boxes.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)]
+pub fn box_gaps<'py>(
+    py: Python<'py>,
+    centers: PyReadonlyArray2<'py, f64>,
+    axes: PyReadonlyArray3<'py, f64>,
+    half_extents: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let found = boxes(&centers, &axes, &half_extents)?;
+    square(py, found.len(), py.detach(|| graph::gaps(&found)))
+}
+
+/// Edge lengths (n, n) in [0, 1) between all pairs, or along the adjacency when one is given.
+#[pyfunction]
+#[pyo3(signature = (centers, axes, half_extents, unit, adjacency=None))]
+#[allow(clippy::needless_pass_by_value)]
+pub fn edge_lengths<'py>(
+    py: Python<'py>,
+    centers: PyReadonlyArray2<'py, f64>,
+    axes: PyReadonlyArray3<'py, f64>,
+    half_extents: PyReadonlyArray2<'py, f64>,
+    unit: f64,
+    adjacency: Option<PyReadonlyArray2<'py, bool>>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let found = boxes(&centers, &axes, &half_extents)?;
+    let n = found.len();
+    if !(unit.is_finite() && unit > 0.0) {
+        return Err(to_py(&Error::value("unit", "a positive number", unit)));
+    }
+    let lengths = match &adjacency {
+        None => py.detach(|| graph::all_pairs(&found, unit)),
+        Some(given) => {
+            check_square("adjacency", given.as_array().dim(), n)?;
+            let edges = slice("adjacency", given)?;
+            py.detach(|| graph::shortest_paths(&found, edges, unit))
+        }
+    };
+    square(py, n, lengths)
+}
+
+/// Adjacency (n, n): joints (j, 2) where there are any, else gaps of at most the threshold; always connected.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)]
+pub fn part_adjacency<'py>(
+    py: Python<'py>,
+    gaps: PyReadonlyArray2<'py, f64>,
+    joints: PyReadonlyArray2<'py, i64>,
+    threshold: f64,
+) -> PyResult<Bound<'py, PyArray2<bool>>> {
+    let n = gaps.as_array().dim().0;
+    check_square("gaps", gaps.as_array().dim(), n)?;
+    if joints.as_array().dim().1 != 2 {
+        let got = format!("{:?}", joints.as_array().dim());
+        return Err(to_py(&Error::shape("joints", "shape (j, 2)", got)));
+    }
+    let flat = slice("joints", &joints)?;
+    if let Some(bad) = flat.iter().find(|&&i| i < 0 || i >= n as i64) {
+        return Err(to_py(&Error::value("joints", format!("part indices in [0, {n})"), bad)));
+    }
+    let pairs: Vec<(usize, usize)> = flat.chunks_exact(2).map(|p| (p[0] as usize, p[1] as usize)).collect();
+    let distances = finite("gaps", &gaps)?;
+    square(py, n, py.detach(|| graph::adjacency(n, distances, &pairs, threshold)))
+}
+
+/// Steps (n,) from one part to each, breadth first; n where there is no way.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)]
+pub fn part_hops<'py>(
+    py: Python<'py>,
+    adjacency: PyReadonlyArray2<'py, bool>,
+    part: usize,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let n = adjacency.as_array().dim().0;
+    check_square("adjacency", adjacency.as_array().dim(), n)?;
+    if part >= n {
+        return Err(to_py(&Error::value("part", format!("an index below {n}"), part)));
+    }
+    let steps = graph::hops(n, slice("adjacency", &adjacency)?, part);
+    Ok(PyArray1::from_iter(py, steps.into_iter().map(|s| s as i64)))
+}
