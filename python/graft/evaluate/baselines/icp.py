@@ -41,7 +41,7 @@ class Alignment:
 
 
 def rigid(source: Floats, target: Floats) -> Floats:
-    """Return the rotation and translation (4, 4) that takes points (s, 3) to points (s, 3) best (Umeyama 1991)."""
+    """Return the rotation and translation (4, 4) that best takes points (s, 3) to others (Umeyama 1991)."""
     a, b = source - source.mean(axis=0), target - target.mean(axis=0)
     u, _, vt = np.linalg.svd(b.T @ a)
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])

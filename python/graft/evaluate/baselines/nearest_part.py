@@ -43,7 +43,9 @@ class NearestMoments:
     def fit(self, benchmark: Benchmark, graphs: Sequence[PartGraph]) -> _Nearest:
         """Describe every part."""
         sizes = [len(graph.points) for graph in graphs]
-        rows = standardised(np.array([_moments(graph, i) for graph in graphs for i in range(len(graph.points))]))
+        rows = standardised(
+            np.array([_moments(graph, i) for graph in graphs for i in range(len(graph.points))])
+        )
         features = np.split(rows, np.cumsum(sizes)[:-1])
         return _Nearest(benchmark.sources, tuple(graphs), tuple(features), "euclidean")
 
