@@ -29,7 +29,8 @@ from graft.evaluate.intervals import Estimate
 from graft.evaluate.methods import Graft, Method
 from graft.evaluate.protocols import Benchmark, Posing, from_objects, load_objects, paper
 from graft.evaluate.report import QUOTED, Summary, by_category, coverage_curve, document, summarise
-from graft.evaluate.runner import Progress, Row, evaluate, fit
+from graft.evaluate.rows import Row
+from graft.evaluate.runner import Progress, evaluate, fit
 from graft.viz import save_scene, save_sheet
 
 WORST = 24
@@ -72,7 +73,7 @@ class Asked:
     json: bool = False
     """Print one JSON document and nothing else."""
     out: Path | None = None
-    """Folder for rows.jsonl (from which a stopped run goes on), table, JSON and pictures of the worst cases."""
+    """Folder for rows.jsonl (a stopped run goes on from it), table, JSON and pictures of the worst cases."""
 
     def benchmark(self) -> Benchmark:
         """Return the objects, demonstrations and queries."""
@@ -225,10 +226,10 @@ def _print(
 
 def _print_summaries(console: Console, summaries: Sequence[Summary], k: int, quoted: bool) -> None:
     table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("method")
-    shown = ("part", "part_top", "asr", "asr_top", "nss", "dtm")
-    for column in ("part", f"part top-{k}", "ASR", f"ASR top-{k}", "NSS", "DTM"):
-        table.add_column(column, justify="right")
+    table.add_column("method", no_wrap=True)
+    shown = ("part", "part_top", "asr", "nss", "dtm")
+    for column in ("part", f"part top-{k}", "ASR", "NSS", "DTM"):
+        table.add_column(column, justify="right", no_wrap=True)
     if quoted:
         for name, figures in QUOTED.items():
             table.add_row(name, *(f"{figures[key]:.2f}" if key in figures else "-" for key in shown))
@@ -245,7 +246,7 @@ def _print_varied(console: Console, varied: Sequence[Diversity]) -> None:
     columns = [f"categories in top {depth}", "entropy", *(f"part top-{rank}" for rank in shown)]
     table.add_column("method")
     for column in columns:
-        table.add_column(column, justify="right")
+        table.add_column(column, justify="right", no_wrap=True)
     for found in varied:
         accuracies = (_cell(found.accuracy[rank - 1]) for rank in shown)
         table.add_row(found.method, _cell(found.categories, 2), _cell(found.entropy), *accuracies)

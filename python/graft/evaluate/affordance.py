@@ -15,7 +15,7 @@ from graft.evaluate.baselines import (
 )
 from graft.evaluate.methods import Graft, GraftPredictor, Method
 from graft.evaluate.protocols import Benchmark
-from graft.evaluate.runner import Row
+from graft.evaluate.rows import Row
 
 
 def methods() -> list[Method]:

@@ -12,7 +12,7 @@ from graft.evaluate.affordance import methods
 from graft.evaluate.baselines import RandomPart, RandomPoint
 from graft.evaluate.intervals import Estimate, bootstrap_mean
 from graft.evaluate.methods import Method
-from graft.evaluate.runner import Row
+from graft.evaluate.rows import Row
 
 
 @dataclass(frozen=True)

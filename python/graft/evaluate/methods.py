@@ -106,9 +106,9 @@ class Solver(Protocol):
 
 
 Landing = Literal["codes", "projected", "unaligned"]
-"""Where on the matched part the contact lands: the surface point with the nearest Fourier code and normal; the
-surface point nearest to the contact carried over by the aligned frames; the same by the boxes' frames as they
-are, without alignment."""
+"""Where on the matched part the contact lands: the surface point with the nearest Fourier code and normal;
+the surface point nearest to the contact carried over by the aligned frames; the same by the boxes' frames as
+they are, without alignment."""
 
 
 @dataclass(frozen=True)

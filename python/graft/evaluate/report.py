@@ -12,7 +12,7 @@ import graft
 from graft.evaluate.diversity import Diversity
 from graft.evaluate.intervals import Estimate, bootstrap_mean
 from graft.evaluate.protocols import Benchmark
-from graft.evaluate.runner import Answer, Row, code_fingerprint
+from graft.evaluate.rows import Answer, Row, code_fingerprint
 
 QUOTED: Mapping[str, Mapping[str, float]] = {"GRAFT, paper (quoted)": {"asr": 0.85, "nss": 0.82, "dtm": 0.02}}
 """Figures that others published, on their own objects; not measured here."""
@@ -26,7 +26,7 @@ MEASURES: Mapping[str, Callable[[Answer], float]] = {
 """Name -> what is averaged."""
 
 Table = dict[str, Estimate]
-"""`part`, `asr`, `nss`, `dtm` of the best-ranked contact; with `_top` behind the name, the mean of the top k."""
+"""`part`, `asr`, `nss`, `dtm` of the best-ranked contact; with `_top` behind it, the mean of the top k."""
 
 COVERAGES = tuple(np.round(np.linspace(0.1, 1.0, 10), 1).tolist())
 """Shares of the queries at which accuracy is told."""
@@ -83,7 +83,8 @@ def by_category(rows: Sequence[Row], k: int = 5, seed: int = 0) -> dict[str, lis
 def coverage_curve(rows: Sequence[Row]) -> list[tuple[float, float]]:
     """Return (coverage, part accuracy) when only the surest answers are given.
 
-    Answers of equal confidence keep the order of the rows. Confidence is worth something when the curve falls.
+    Answers of equal confidence keep the order of the rows. A confidence that is worth something makes the
+    curve fall.
 
     Args:
         rows: Of one method; answers without a confidence count as the least sure.

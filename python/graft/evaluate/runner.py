@@ -1,21 +1,17 @@
 """Ask every method every query, on several processes, and keep what was answered.
 
-A row is one method's answer to one query, with what the metrics say of it. Rows go to `rows.jsonl`, the rows
-of a query in one line, as they come, so that a run that was stopped goes on where it was. The first line tells
-what the rows were made with; a file made with anything else, another version of the code included, is refused.
-The rows, and their order, are the same on any number of workers.
+Rows go to a file as they come, so that a run that was stopped goes on where it was; a file made with
+anything else, another version of the code included, is refused. The rows, and their order, are the same on
+any number of workers.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import multiprocessing
-import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -26,70 +22,14 @@ from graft.errors import InputError
 from graft.evaluate.methods import Method, Predictor
 from graft.evaluate.metrics import GraspableMask
 from graft.evaluate.protocols import Benchmark, stream
+from graft.evaluate.rows import ROWS, Answer, Book, Row, code_fingerprint, digest
 from graft.graph import PartGraph
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many are done, how many there are."""
 
-ROWS = "rows.jsonl"
-"""Name of the file of rows within the output folder."""
-
 DIGITS = 9
 """Significant digits of what the metrics say in a row."""
-
-
-@dataclass(frozen=True)
-class Answer:
-    """One predicted contact and what the metrics say of it.
-
-    Attributes:
-        source: Name of the demonstration it came from; None when there was none.
-        source_category: Category of its object.
-        part: Name of the target part.
-        right: Whether that part is graspable.
-        inside: Whether the point lies in the mask.
-        nss: Normalised scanpath saliency of the point.
-        distance: From the point to the mask, in shares of the diagonal.
-        confidence: As the method says.
-        point: (3,) in the posed target's frame and units.
-    """
-
-    source: str | None
-    source_category: str | None
-    part: str
-    right: bool
-    inside: bool
-    nss: float
-    distance: float
-    confidence: float | None
-    point: tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Row:
-    """One method's answer to one query.
-
-    Attributes:
-        method: Name of the method.
-        query: Key of the query.
-        target: Key of the target.
-        category: The target's category.
-        exchangeable: The answers are draws without a rank.
-        answers: Best first.
-    """
-
-    method: str
-    query: str
-    target: str
-    category: str
-    exchangeable: bool
-    answers: tuple[Answer, ...] = field(default=())
-
-    @classmethod
-    def read(cls, document: dict[str, Any]) -> Row:
-        """Return the row that a line of the file tells."""
-        answers = tuple(Answer(**{**a, "point": tuple(a["point"])}) for a in document["answers"])
-        return cls(**{**document, "answers": answers})
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +145,7 @@ def evaluate(
         if value < 1:
             raise InputError(f"{name}: expected at least 1, got {value}")
     keys = [query.key for query in benchmark.queries]
-    book = None if out is None else _Book.open(out / ROWS, _header(benchmark, methods, k))
+    book = None if out is None else Book.open(out / ROWS, _header(benchmark, methods, k))
     done = {} if book is None else book.done
     missing = [i for i, key in enumerate(keys) if key not in done]
     if missing:
@@ -266,75 +206,10 @@ def _header(benchmark: Benchmark, methods: Sequence[Method], k: int) -> dict[str
         "protocol": benchmark.protocol,
         "posing": asdict(benchmark.posing),
         "methods": [method.name for method in methods],
-        "parameters": _digest(repr(list(methods)).encode()),
+        "parameters": digest(repr(list(methods)).encode()),
         "k": k,
-        "queries": _digest(json.dumps([[q.key, q.target, q.sources] for q in benchmark.queries]).encode()),
-        "objects": _digest(
+        "queries": digest(json.dumps([[q.key, q.target, q.sources] for q in benchmark.queries]).encode()),
+        "objects": digest(
             *(b"%s%s" % (s.key.encode(), s.truth.bounds.tobytes()) for s in benchmark.subjects)
         ),
     }
-
-
-def _digest(*pieces: bytes) -> str:
-    digest = hashlib.sha256()
-    for piece in pieces:
-        digest.update(piece)
-    return digest.hexdigest()[:16]
-
-
-@cache
-def code_fingerprint() -> str:
-    """Return a digest of the package's Python files and its compiled core: rows of other code are not ours."""
-    root = Path(graft.__file__).parent
-    files = sorted(path for path in root.rglob("*") if path.suffix in (".py", ".so", ".pyd"))
-    return _digest(*(path.read_bytes() for path in files))
-
-
-@dataclass(eq=False)
-class _Book:
-    """The file of rows: a header line, then one line per query."""
-
-    path: Path
-    done: dict[str, list[Row]] = field(default_factory=dict)
-
-    @classmethod
-    def open(cls, path: Path, header: dict[str, Any]) -> _Book:
-        """Read what is there, drop a last line that was cut off, or begin a new file."""
-        book = cls(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        whole = _whole_lines(path)
-        if not whole:
-            path.write_bytes(json.dumps(header).encode() + b"\n")
-            return book
-        found = _parsed(path, 1, whole[0])
-        if found != header:
-            other = next((key for key in header if found.get(key) != header[key]), "format")
-            raise InputError(
-                f"rows made with another {other}; choose another --out or remove the file", path=path
-            )
-        for number, line in enumerate(whole[1:], start=2):
-            rows = [Row.read(document) for document in _parsed(path, number, line)["rows"]]
-            book.done[rows[0].query] = rows
-        os.truncate(path, sum(len(line) + 1 for line in whole))
-        return book
-
-    def write(self, rows: Sequence[Row]) -> None:
-        """Add the rows of one query: one write of one line."""
-        line = json.dumps({"rows": [asdict(row) for row in rows]}, allow_nan=False).encode() + b"\n"
-        with self.path.open("ab") as file:
-            file.write(line)
-
-
-def _whole_lines(path: Path) -> list[bytes]:
-    """Return the lines of a file that end in a newline; none when there is no file."""
-    return path.read_bytes().split(b"\n")[:-1] if path.exists() else []
-
-
-def _parsed(path: Path, number: int, line: bytes) -> dict[str, Any]:
-    try:
-        document = json.loads(line)
-    except ValueError as error:
-        raise InputError(f"line {number}: expected JSON, got {line[:40]!r} ({error})", path=path) from None
-    if not isinstance(document, dict) or (number > 1 and "rows" not in document):
-        raise InputError(f"line {number}: expected the rows of a query, got {line[:40]!r}", path=path)
-    return document
