@@ -1,4 +1,4 @@
-"""Objects with closed forms, by hand: two strips of a plane, a sphere cut into a cap and the rest."""
+"""Objects with closed forms, by hand: two strips of a plane, a sphere cut into a cap and the rest; rods."""
 
 import numpy as np
 
@@ -58,3 +58,66 @@ def turned(seed: int, scale: float = 1.0) -> np.ndarray:
     transform[:3, :3] = scale * basis
     transform[:3, 3] = rng.normal(size=3)
     return transform
+
+
+def box(name: str, low, high) -> Part:
+    """An axis-aligned box, outward faces, each side cut into 6 x 6 squares."""
+    low, high = np.asarray(low, float), np.asarray(high, float)
+    steps = np.linspace(0, 1, 7)
+    points, faces = [], []
+    for axis in range(3):
+        for end in (0.0, 1.0):
+            u, v = np.meshgrid(steps, steps, indexing="ij")
+            grid = np.empty((7, 7, 3))
+            grid[..., axis], grid[..., (axis + 1) % 3], grid[..., (axis + 2) % 3] = end, u, v
+            start = sum(len(p) for p in points)
+            corner = start + (np.arange(6)[:, None] * 7 + np.arange(6)).ravel()
+            square = np.concatenate(
+                [
+                    np.column_stack([corner, corner + 7, corner + 8]),
+                    np.column_stack([corner, corner + 8, corner + 1]),
+                ]
+            )
+            faces.append(square if end else square[:, ::-1])
+            points.append(grid.reshape(-1, 3))
+    return Part(name, low + np.concatenate(points) * (high - low), np.concatenate(faces))
+
+
+def hammer(name: str, length: float = 3.0, category: str = "hammer", head: float = 1.0) -> PartObject:
+    """A long thin handle, graspable, along x, and a compact head at its end."""
+    return PartObject(
+        name,
+        (
+            box("head", [length, -head, -0.5 * head], [length + 0.8, head, 0.5 * head]),
+            box("handle", [0, -0.2, -0.15], [length, 0.2, 0.15]),
+        ),
+        graspable=(1,),
+        category=category,
+        up=[0, 0, 1],
+        scale_to_metres=0.1,
+    )
+
+
+def paddle(name: str, width: float = 1.0, category: str = "paddle") -> PartObject:
+    """A thin shaft, graspable, and a wide flat blade."""
+    return PartObject(
+        name,
+        (
+            box("shaft", [0, -0.15, -0.15], [2.5, 0.15, 0.15]),
+            box("blade", [2.5, -width, -0.1], [4.5, width, 0.1]),
+        ),
+        graspable=(0,),
+        category=category,
+        up=[0, 0, 1],
+        scale_to_metres=0.1,
+    )
+
+
+def tools() -> list[PartObject]:
+    """Four small objects of two categories."""
+    return [
+        hammer("hammer_a"),
+        hammer("hammer_b", 4.0, head=0.8),
+        paddle("paddle_a"),
+        paddle("paddle_b", 0.8),
+    ]
