@@ -5,7 +5,7 @@ from graft import __version__
 project = "graft"
 author = "The graft developers"
 release = version = __version__
-copyright = "2026, the graft developers"  # noqa: A001 - the name is Sphinx's
+copyright = "2026, the graft developers"
 
 extensions = [
     "myst_parser",

@@ -1,5 +1,4 @@
-"""
-Read an object and look at its parts
+"""Read an object and look at its parts
 ====================================
 
 Every named geometry of a scene is a part. Here the file is made on the fly; any GLB, OBJ, PLY, STL, OFF, MJCF or URDF

@@ -1,5 +1,4 @@
-"""
-One demonstration, an object never seen
+"""One demonstration, an object never seen
 =======================================
 
 A library of demonstrated objects, a target of another category, and the contact that graft proposes for it.

@@ -1,5 +1,4 @@
-"""
-Mark a contact on your own object
+"""Mark a contact on your own object
 =================================
 
 A demonstration is an object and a contact. Mark it on a part, save it, and any later session can transfer it.

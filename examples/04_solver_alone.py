@@ -1,5 +1,4 @@
-"""
-The transport solver on its own
+"""The transport solver on its own
 ===============================
 
 Unbalanced fused Gromov-Wasserstein transport between any two small graphs: a feature cost, two structure matrices, two

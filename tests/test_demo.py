@@ -14,7 +14,9 @@ def test_rows_say_whether_the_contact_is_in_the_mask():
     rows = transfer_all(library, targets)
     document = demo_document(rows, seed=0)
     assert document["targets"] == 2
-    assert document["in_mask"] == sum(r.transferred.target_part in t.graspable for r, t in zip(rows, targets, strict=True))
+    assert document["in_mask"] == sum(
+        r.transferred.target_part in t.graspable for r, t in zip(rows, targets, strict=True)
+    )
     assert document["other_category"] == sum(not r.same_category for r in rows) < 2
     assert json.loads(json.dumps(document, allow_nan=False)) == document
 

@@ -66,13 +66,14 @@ def edge_lengths(
 ) -> NDArray[np.float64]:
     """Return (n, n) edge lengths in [0, 1): of all pairs, or of the shortest paths along an adjacency (n, n)."""
 
-def part_adjacency(
-    gaps: NDArray[np.float64], joints: NDArray[np.int64], threshold: float
-) -> NDArray[np.bool_]:
-    """Return (n, n): joints (j, 2) where there are any, else gaps of at most the threshold; always connected."""
+def part_adjacency(gaps: NDArray[np.float64], joints: NDArray[np.int64], threshold: float) -> NDArray[np.bool_]:
+    """Return (n, n): joints (j, 2), gaps of at most the threshold where a part has no joint; always connected."""
 
 def part_hops(adjacency: NDArray[np.bool_], part: int) -> NDArray[np.int64]:
     """Return the (n,) numbers of steps from `part`, breadth first; n where there is no way."""
+
+# descriptor
+
 def describe_parts(
     vertices: NDArray[np.float64],
     faces: NDArray[np.int64],
@@ -85,8 +86,8 @@ def describe_parts(
     raw: bool = False,
 ) -> NDArray[np.float64]: ...
 def descriptor_dim(families: list[str]) -> int: ...
-import numpy as np
-from numpy.typing import NDArray
+
+# transport
 
 def ufgw_batch(
     sizes: NDArray[np.int64],
@@ -129,6 +130,10 @@ def feature_costs(
     lambda_obb: float,
     lambda_global: float,
     variant: str,
+) -> NDArray[np.float64]: ...
+
+# render
+
 def render_scene(
     *,
     vertices: NDArray[np.float64],

@@ -72,6 +72,12 @@ def transfer_all(
     return rows
 
 
+def _save_objects(objects: Sequence[PartObject], folder: Path) -> None:
+    """Write every object as a GLB of its own."""
+    for obj in objects:
+        save_object(obj, folder / f"{obj.name}.glb")
+
+
 def demo_document(rows: Sequence[DemoRow], seed: int) -> Document:
     """Describe the demo's results."""
     return {
@@ -123,7 +129,7 @@ def run_demo(
         ("page", lambda: save_scene(written["page"], transfers)),
         ("model", lambda: save_glb(written["model"], transfers)),
         ("library", lambda: library.save(written["library"])),
-        ("targets", lambda: [save_object(o, written["targets"] / f"{o.name}.glb") for o in objects]),
+        ("targets", lambda: _save_objects(objects, written["targets"])),
         ("results", lambda: written["results"].write_text(json.dumps(demo_document(rows, seed), indent=1))),
     ]
     for done, (name, draw) in enumerate(drawing):

@@ -171,14 +171,18 @@ def source_mass(graph: PartGraph, part: int | str, gamma: float = SALIENCY) -> F
     if not 0 < gamma <= 1:
         raise InputError(f"gamma: expected 0 < gamma <= 1, got {gamma}")
     hops = _core.part_hops(graph.adjacency, graph.object.part_index(part))
-    mass: Floats = gamma**hops * _relative_volumes(graph)
-    return mass / mass.sum()
+    return _shares(gamma**hops * _relative_volumes(graph))
 
 
 def target_prior(graph: PartGraph) -> Floats:
     """Return the prior masses (n,) of a target's nodes: delta_j = V_j / sum V."""
-    volumes = _relative_volumes(graph)
-    return volumes / volumes.sum()
+    return _shares(_relative_volumes(graph))
+
+
+def _shares(mass: Floats) -> Floats:
+    """Return masses (n,) as shares of their sum."""
+    shares: Floats = mass / mass.sum()
+    return shares
 
 
 def _relative_volumes(graph: PartGraph) -> Floats:
@@ -193,9 +197,7 @@ def _measure(
     """Return diagonal, boxes, areas, flag bits, sampled points and normals of all parts."""
     diagonal, boxes, areas, _, _, bits, points, normals = _core.part_geometry(
         np.concatenate([part.vertices for part in obj.parts]),
-        np.concatenate(
-            [np.zeros_like(part.vertices) if part.normals is None else part.normals for part in obj.parts]
-        ),
+        np.concatenate([np.zeros_like(part.vertices) if part.normals is None else part.normals for part in obj.parts]),
         np.array([len(part.vertices) for part in obj.parts], np.int64),
         np.concatenate([part.faces for part in obj.parts]),
         np.array([len(part.faces) for part in obj.parts], np.int64),
@@ -224,8 +226,6 @@ def _describe(descriptor: Descriptor, obj: PartObject) -> Floats:
         raise InputError(f"descriptor {descriptor.name!r}: expected shape {expected}, got {found.shape}")
     if not np.isfinite(found).all():
         row = int(np.argwhere(~np.isfinite(found).all(axis=1))[0, 0])
-        raise InputError(
-            f"descriptor {descriptor.name!r}: not finite for part {obj.parts[row].name!r} of {obj.name!r}"
-        )
+        raise InputError(f"descriptor {descriptor.name!r}: not finite for part {obj.parts[row].name!r} of {obj.name!r}")
     found.setflags(write=False)
     return found

@@ -54,9 +54,7 @@ class Library:
         descriptor: Describes parts, of sources and targets alike; None matches by boxes and structure alone.
     """
 
-    def __init__(
-        self, *, solver: UFGW | None = None, descriptor: Descriptor | None = GeometricDescriptor()
-    ) -> None:
+    def __init__(self, *, solver: UFGW | None = None, descriptor: Descriptor | None = GeometricDescriptor()) -> None:
         self.solver = UFGW() if solver is None else solver
         self.descriptor = descriptor
         self._demonstrations: list[Demonstration] = []

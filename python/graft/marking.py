@@ -12,14 +12,23 @@ from graft.errors import InputError
 from graft.objects import Contact, Demonstration, Floats, Ints, Part, PartObject
 
 CENTER_SAMPLES = 512
-"""Surface points among which the middle of a part is sought; on a handle they are about 4 % of its length apart."""
+"""Surface points among which the middle of a part is sought; on a bar eight times as long as
+thick they are 3 % of its length apart."""
 
 CENTER_NEIGHBOURS = 8
 """Nearest samples that a sample is connected to when distances along the surface are measured."""
 
 CENTER_BAND = 1.1
-"""Samples whose mean distance along the surface is within this factor of the least are all in the middle; among them
-the side facing away from the object is taken. Ten per cent spans the girth of a bar, not its length."""
+"""Samples whose mean distance along the surface is within this factor of the least make up the middle. On a
+bar these are the third of its length about the middle, all around."""
+
+
+SAME_PLACE = 1e-6
+"""Points closer than this share of the object's size are at the same place."""
+
+PLASTIC = 1.32471795724474602596
+"""The plastic number; multiples of its inverse powers cover the square evenly (the R2 sequence, Roberts
+2018)."""
 
 
 def closest_surface_point(part: Part, point: ArrayLike) -> tuple[Floats, Floats, float]:
@@ -32,14 +41,17 @@ def closest_surface_point(part: Part, point: ArrayLike) -> tuple[Floats, Floats,
         point: (3,) in the object frame, object units.
 
     Returns:
-        The point (3,), the outward unit normal (3,) there, and the distance. A face's side is told by its winding; a
-        closed surface that is wound inside out is noticed and turned. A cloud without normals gets the normal of
-        the plane through the neighbours, turned away from the cloud's middle.
+        The point (3,), the outward unit normal (3,) there, and the distance. A face's side is told by its
+        winding; a closed surface that is wound inside out is noticed and turned. A cloud without normals gets
+        the normal of the plane through the neighbours, turned away from the cloud's middle.
 
     Raises:
         InputError: The point is not three finite numbers.
     """
-    query = np.asarray(point, np.float64)
+    try:
+        query = np.asarray(point, np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"point: expected three finite numbers, got {point!r}") from None
     if query.shape != (3,) or not np.isfinite(query).all():
         raise InputError(f"point: expected three finite numbers, got {point!r}")
     if part.is_point_cloud:
@@ -50,7 +62,9 @@ def closest_surface_point(part: Part, point: ArrayLike) -> tuple[Floats, Floats,
     squared = np.square(closest - query).sum(axis=1)
     # Points on an edge belong to two faces; rounding must not choose between them.
     tie = 1e-12 * (squared.min() + np.square(np.ptp(part.vertices, axis=0)).sum())
-    face = int(np.flatnonzero(squared <= squared.min() + tie)[0])
+    tied = np.flatnonzero(squared <= squared.min() + tie)
+    a, b, c = part.vertices[part.faces[tied]].transpose(1, 0, 2)
+    face = int(tied[np.argmax(np.cross(b - a, c - a).any(axis=1))])  # the lowest that has an area
     return closest[face].copy(), _face_normal(part, face), float(np.sqrt(squared[face]))
 
 
@@ -68,8 +82,8 @@ def mark_contact(
     Args:
         obj: The object.
         part: The part that is taken: index, name, or a label that only one part has.
-        point: (3,) near the part, object frame and units; the contact is the closest point of the part's surface.
-            Without it the contact lies in the part's middle, see `middle_point`.
+        point: (3,) near the part, object frame and units; the contact is the closest point of the part's
+            surface. Without it the contact lies in the part's middle, see `middle_point`.
         approach: (3,) direction in which the gripper comes, object frame.
         name: Of the demonstration; the object's name by default.
         metadata: Travels with the demonstration.
@@ -97,66 +111,75 @@ def mark_contact(
 def middle_point(obj: PartObject, part: int | str) -> Floats:
     """Return a point (3,) on a part's surface in its middle: of a curved handle, the middle of the bar.
 
-    Middle means the least mean distance along the surface to the rest of it (the medoid of `CENTER_SAMPLES` evenly
-    spread points under shortest paths between neighbours; of several disconnected pieces, the largest). Among the
-    samples round about, the one is taken whose normal points furthest away from the middle of the object.
-    No randomness; ties go to the sample that comes first in the order of faces.
+    The middle is where the mean distance along the surface to the rest of the part is least (within
+    `CENTER_BAND`, among `CENTER_SAMPLES` evenly spread points, by shortest paths between neighbours; of
+    several disconnected pieces, the largest). The point is the one on its side that faces away from the
+    centroid of the object; where the part's middle and the centroid coincide, the sample of least mean
+    distance, the first one in the order of faces on a tie. No randomness.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components, shortest_path
     from scipy.spatial import cKDTree
 
     chosen = obj.parts[obj.part_index(part)]
-    points, normals = _spread_samples(chosen)
-    if len(points) < 3:
-        first: Floats = points[0].copy()
-        return first
+    points = _spread_samples(chosen)
     near = min(CENTER_NEIGHBOURS + 1, len(points))
-    lengths, neighbours = map(np.asarray, cKDTree(points).query(points, k=near))
-    rows = np.repeat(np.arange(len(points)), near)
+    lengths, neighbours = map(np.asarray, cKDTree(points).query(points, k=[*range(1, near + 1)]))
     # Coincident samples are joined by a tiny length: zero would mean no edge.
     floor = max(float(lengths.max()), 1e-300) * 1e-9
+    rows = np.repeat(np.arange(len(points)), near)
     graph = csr_matrix((np.maximum(lengths, floor).ravel(), (rows, neighbours.ravel())), (len(points),) * 2)
     _, component = connected_components(graph, directed=False)
     members = np.flatnonzero(component == np.bincount(component).argmax())
     mean = shortest_path(graph[members][:, members], directed=False).mean(axis=1)
-    ring = members[mean <= CENTER_BAND * mean.min()]
-    outwards = points[ring] - obj.bounds.mean(axis=0)
-    facing = (normals[ring] * outwards).sum(axis=1) / np.maximum(np.linalg.norm(outwards, axis=1), floor)
-    chosen_point: Floats = points[ring[int(np.argmax(np.round(facing, 9)))]].copy()
-    return chosen_point
+    middle = points[members[mean <= CENTER_BAND * mean.min()]]
+    center = middle.mean(axis=0)
+    reach = float(np.linalg.norm(middle - center, axis=1).max())
+    outwards = center - _centroid(obj)
+    length = float(np.linalg.norm(outwards))
+    if length <= SAME_PLACE * float(np.linalg.norm(np.ptp(obj.bounds, axis=0))):
+        first = int(np.flatnonzero(mean <= mean.min() * (1 + SAME_PLACE))[0])
+        return np.array(points[members[first]], np.float64)
+    return closest_surface_point(chosen, center + outwards * (reach / length))[0]
 
 
-def _spread_samples(part: Part) -> tuple[Floats, Floats]:
-    """Return up to `CENTER_SAMPLES` points evenly spread over a part (s, 3), and unit normals (s, 3)."""
-    if part.is_point_cloud:
-        step = max(1, len(part.vertices) // CENTER_SAMPLES)
-        rows = range(0, len(part.vertices), step)
-        return part.vertices[::step], np.array([_cloud_normal(part, i) for i in rows])
-    corners = part.vertices[part.faces]
+def _centroid(obj: PartObject) -> Floats:
+    """Return the centroid (3,) of the surface; of the vertices where clouds, which have no area, are parts."""
+    if any(part.is_point_cloud for part in obj.parts):
+        middle: Floats = np.concatenate([part.vertices for part in obj.parts]).mean(axis=0)
+        return middle
+    corners = np.concatenate([part.vertices[part.faces] for part in obj.parts])
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    doubled = np.linalg.norm(cross, axis=1)
+    areas = np.linalg.norm(cross, axis=1)
+    found: Floats = areas @ corners.mean(axis=1) / max(float(areas.sum()), 1e-300)
+    return found
+
+
+def _spread_samples(part: Part) -> Floats:
+    """Return up to `CENTER_SAMPLES` points (s, 3) evenly spread over a part."""
+    if part.is_point_cloud:
+        return part.vertices[:: max(1, len(part.vertices) // CENTER_SAMPLES)]
+    corners = part.vertices[part.faces]
+    doubled = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     total = np.cumsum(doubled)
     if not total[-1] > 0:
-        return corners.mean(axis=1), np.tile([0.0, 0.0, 1.0], (len(corners), 1))
+        middles: Floats = corners.mean(axis=1)
+        return middles
     steps = (np.arange(CENTER_SAMPLES) + 0.5) / CENTER_SAMPLES
     faces = np.minimum(np.searchsorted(total, steps * total[-1]), len(total) - 1)
-    # The R2 sequence (Roberts 2018) covers the square evenly; folding takes it to the triangle.
-    plastic = 1.32471795724474602596
-    u, v = ((np.arange(1, CENTER_SAMPLES + 1)[:, None] / plastic ** np.array([1, 2])) % 1.0).T
-    over = u + v > 1
+    u, v = ((np.arange(1, CENTER_SAMPLES + 1)[:, None] / PLASTIC ** np.array([1, 2])) % 1.0).T
+    over = u + v > 1  # fold the square onto the triangle
     u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
     a, b, c = corners[faces].transpose(1, 0, 2)
     points: Floats = a + u[:, None] * (b - a) + v[:, None] * (c - a)
-    normals: Floats = cross[faces] / doubled[faces, None]
-    return points, -normals if _inside_out(part) else normals
+    return points
 
 
 def _closest_on_triangles(corners: Floats, query: Floats) -> Floats:
     """Return (f, 3) the closest point of each triangle (f, 3, 3) to `query` (3,).
 
-    Ericson, Real-Time Collision Detection (2005), section 5.1.5, for all triangles at once: the projection where it
-    falls inside, else the best of the three clamped edges.
+    Ericson, Real-Time Collision Detection (2005), section 5.1.5, for all triangles at once: the projection
+    where it falls inside, else the best of the three clamped edges.
     """
     a, b, c = corners.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
@@ -167,7 +190,7 @@ def _closest_on_triangles(corners: Floats, query: Floats) -> Floats:
     v = (np.cross(offset, c - a) * normal).sum(axis=1) / safe
     w = (np.cross(b - a, offset) * normal).sum(axis=1) / safe
     inside = (squared > 0) & (v >= 0) & (w >= 0) & (v + w <= 1)
-    best = a + v[:, None] * (b - a) + w[:, None] * (c - a)
+    best: Floats = a + v[:, None] * (b - a) + w[:, None] * (c - a)
     least = np.where(inside, np.square(best - query).sum(axis=1), np.inf)
     for start, end in ((a, b), (b, c), (c, a)):
         edge = end - start
@@ -188,7 +211,7 @@ def _face_normal(part: Part, face: int) -> Floats:
     length = float(np.linalg.norm(cross))
     if length == 0:
         raise InputError(f"part {part.name!r} face {face}: it has no area and so no normal")
-    normal: Floats = cross / (-length if _inside_out(part) else length)
+    normal: Floats = np.asarray(cross, np.float64) / (-length if _inside_out(part) else length)
     return normal
 
 
@@ -215,4 +238,5 @@ def _cloud_normal(part: Part, index: int) -> Floats:
     normal: Floats = np.linalg.svd(patch, full_matrices=True)[2][-1]
     outwards = part.vertices[index] - part.vertices.mean(axis=0)
     side = float(normal @ outwards)
-    return -normal if side < 0 else normal.copy()
+    outward: Floats = -normal if side < 0 else normal.copy()
+    return outward

@@ -90,9 +90,7 @@ class Part:
         if len(self.vertices) == 0:
             raise InputError(f"{where} vertices: expected at least one, got none")
         if self.normals is not None:
-            object.__setattr__(
-                self, "normals", _array(f"{where} normals", self.normals, (len(self.vertices), 3))
-            )
+            object.__setattr__(self, "normals", _array(f"{where} normals", self.normals, (len(self.vertices), 3)))
         if len(self.faces) and (self.faces.min() < 0 or self.faces.max() >= len(self.vertices)):
             row = int(np.argwhere((self.faces < 0) | (self.faces >= len(self.vertices)))[0][0])
             raise InputError(
@@ -294,9 +292,7 @@ class Contact:
         matrix: Floats = _array("transform", transform, (4, 4))
         linear = matrix[:3, :3]
         approach = None if self.approach is None else linear @ self.approach
-        return replace(
-            self, point=linear @ self.point + matrix[:3, 3], normal=linear @ self.normal, approach=approach
-        )
+        return replace(self, point=linear @ self.point + matrix[:3, 3], normal=linear @ self.normal, approach=approach)
 
 
 @dataclass(frozen=True, eq=False)

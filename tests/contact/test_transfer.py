@@ -110,6 +110,6 @@ def test_dense_map_of_an_object_onto_itself_is_the_identity():
     assert (dense.source_part == dense.part).all()
     hottest = dense.points[dense.heat.argmax()]
     assert np.linalg.norm(hottest - demonstration.contact.point) < 0.1 * found.target.diagonal
-    assert 0.0 <= dense.heat.min()
+    assert dense.heat.min() >= 0.0
     assert dense.heat.max() <= 1.0
     assert dense.part[dense.heat.argmax()] == demonstration.contact.part

@@ -43,9 +43,7 @@ class Demo:
             rows, written = run_demo(
                 self.out,
                 seed=self.seed,
-                progress=lambda what, done, total: bar.update(
-                    task, description=what, completed=done, total=total
-                ),
+                progress=lambda what, done, total: bar.update(task, description=what, completed=done, total=total),
             )
         if self.json:
             print_json(demo_document(rows, self.seed))

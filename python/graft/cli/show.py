@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,7 +45,11 @@ class Show:
         return EXIT_OK
 
 
-_WRITERS = {".png": save_views, ".html": save_object_scene, ".glb": save_object}
+_WRITERS: dict[str, Callable[[Path, PartObject], None]] = {
+    ".png": save_views,
+    ".html": save_object_scene,
+    ".glb": lambda path, obj: save_object(obj, path),
+}
 
 
 def _print_parts(obj: PartObject, graph: PartGraph) -> None:

@@ -36,9 +36,7 @@ class TransferCommand:
     def run(self) -> int:
         """Retrieve, transfer, print, draw; returns the exit code."""
         check_outputs(self.out)
-        library = Library.open(
-            self.library, solver=self.matching.solver(), descriptor=self.matching.described()
-        )
+        library = Library.open(self.library, solver=self.matching.solver(), descriptor=self.matching.described())
         target = self.loading.load(self.target)
         results = [transfer_contact(found) for found in library.retrieve(target, k=self.k)]
         if self.json:

@@ -173,9 +173,7 @@ def _unit_rows(offsets: Floats) -> Floats:
     return rows
 
 
-def align_parts(
-    source: PartGraph, source_part: int, target: PartGraph, target_part: int, plan: Floats
-) -> FramePair:
+def align_parts(source: PartGraph, source_part: int, target: PartGraph, target_part: int, plan: Floats) -> FramePair:
     """Align the canonical frames of two matched parts.
 
     Args:
@@ -214,9 +212,7 @@ class _SourceCues:
     weights: Floats
 
     @classmethod
-    def of(
-        cls, graph: PartGraph, part: int, target_part: int, frame: CanonicalFrame, plan: Floats
-    ) -> _SourceCues:
+    def of(cls, graph: PartGraph, part: int, target_part: int, frame: CanonicalFrame, plan: Floats) -> _SourceCues:
         weights = plan.copy()
         weights[part, :] = 0.0
         weights[:, target_part] = 0.0
@@ -243,9 +239,7 @@ class _SourceCues:
             seen = _unit_rows(_offsets(target, part)) @ base.rotation
             squares = self.weights.sum(axis=1) @ np.square(self.seen).sum(axis=1)
             squares += self.weights.sum(axis=0) @ np.square(seen).sum(axis=1)
-            agreement = np.einsum(
-                "ij,ia,jb,kba->k", self.weights, self.seen, seen, CUBE_ROTATIONS, optimize=True
-            )
+            agreement = np.einsum("ij,ia,jb,kba->k", self.weights, self.seen, seen, CUBE_ROTATIONS, optimize=True)
             apart = (apart + squares - 2.0 * agreement) / 2.0
         scores += NEIGHBOUR_WEIGHT * apart / 4.0
 

@@ -1,6 +1,7 @@
 """Objects and demonstrations, from files and to files.
 
-One module per format; `load_object` finds out which is meant. Everything that is read is checked in `graft.io.guards`.
+One module per format; `load_object` finds out which is meant. Everything that is read is checked in
+`graft.io.guards`.
 """
 
 from graft.io.demonstrations import load_demonstration, load_demonstrations, save_demonstration

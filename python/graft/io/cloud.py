@@ -21,7 +21,7 @@ MEANINGS = {3: "x y z", 4: "x y z label", 6: "x y z nx ny nz", 7: "x y z nx ny n
 
 
 def read_text_cloud(path: Path) -> list[RawMesh]:
-    """Read a table of points, one a line, columns as in `MEANINGS`; lines that begin with # or // are comments."""
+    """Read a table of points, one a line, columns as in `MEANINGS`; # and // begin comments."""
     kept = [
         (number, line)
         for number, line in enumerate(read_text(path).splitlines(), start=1)
@@ -40,7 +40,7 @@ def read_text_cloud(path: Path) -> list[RawMesh]:
 
 
 def read_npz_mesh(path: Path) -> list[RawMesh]:
-    """Read an archive with `points` (n, 3) or `vertices`, and optionally `faces` (f, 3), `normals` (n, 3), `labels`."""
+    """Read an archive of `points` or `vertices`, and where it has them `faces`, `normals`, `labels`."""
     arrays = read_npz(path)
     key = next((k for k in ("vertices", "points", "xyz") if k in arrays), None)
     if key is None:
@@ -50,9 +50,7 @@ def read_npz_mesh(path: Path) -> list[RawMesh]:
         raise InputError(f"{key}: expected shape (n, 3), got {points.shape} of {points.dtype}", path=path)
     faces = arrays.get("faces", np.empty((0, 3), np.int64))
     if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
-        raise InputError(
-            f"faces: expected integers of shape (f, 3), got {faces.shape} of {faces.dtype}", path=path
-        )
+        raise InputError(f"faces: expected integers of shape (f, 3), got {faces.shape} of {faces.dtype}", path=path)
     faces = faces.astype(np.int64)
     check_range(faces, len(points))
     normals = arrays.get("normals")

@@ -27,24 +27,26 @@ OBJECT_FILE = "object.glb"
 """What `save_demonstration` calls the object."""
 
 ON_SURFACE = 0.02
-"""A contact this share of the object's diagonal off the surface is on it, as points that people click are; it is then
-put onto the surface. Further off is an error."""
+"""A contact this share of the object's diagonal off the surface is on it, as points that people click are; it
+is then put onto the surface. Further off is an error."""
 
 ROUNDING = 1e-6
-"""Closer than this share of the diagonal, the difference is that of float32, and the contact stays as it was written."""
+"""Closer than this share of the diagonal, the difference is that of float32, and the contact stays as it was
+written."""
 
 
 def load_demonstration(folder: str | Path) -> Demonstration:
     """Read one demonstration.
 
-    Keys `category`, `up`, `scale_to_metres` and `graspable` (names of parts) override what the object's file says.
+    Keys `category`, `up`, `scale_to_metres` and `graspable` (names of parts) override what the object's file
+    says.
 
     Args:
         folder: Holds a demonstration.json and the object.
 
     Raises:
-        InputError: A file is missing or malformed, the object is outside the folder, or the contact is not on the
-            object; the message has the distance.
+        InputError: A file is missing or malformed, the object is outside the folder, or the contact is not on
+            the object; the message has the distance.
     """
     folder = Path(folder)
     path = folder / DEMONSTRATION_FILE
@@ -72,7 +74,8 @@ def load_demonstration(folder: str | Path) -> Demonstration:
 def load_demonstrations(root: str | Path) -> list[Demonstration]:
     """Read every demonstration among the folders in `root`, in the order of their names.
 
-    Folders without a demonstration.json, and hidden ones, are passed over. `root` may be a demonstration itself.
+    Folders without a demonstration.json, and hidden ones, are passed over. `root` may be a demonstration
+    itself.
 
     Raises:
         InputError: There is no such folder, or demonstrations cannot be read: every bad one is named.
@@ -119,9 +122,7 @@ def save_demonstration(demonstration: Demonstration, folder: str | Path) -> None
             raise InputError("expected a folder, it is a file", path=folder)
         others = sorted(p.name for p in folder.iterdir() if p.name not in (OBJECT_FILE, DEMONSTRATION_FILE))
         if others:
-            raise InputError(
-                f"the folder holds other files, nothing is written: {', '.join(others[:5])}", path=folder
-            )
+            raise InputError(f"the folder holds other files, nothing is written: {', '.join(others[:5])}", path=folder)
     document = {
         "schema": SCHEMA,
         "name": demonstration.name,
@@ -181,9 +182,7 @@ def _vector(words: dict[str, Any], key: str, where: str, path: Path) -> Floats |
     value = words.get(key)
     if value is None:
         return None
-    numbers = isinstance(value, list) and all(
-        isinstance(v, int | float) and not isinstance(v, bool) for v in value
-    )
+    numbers = isinstance(value, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in value)
     if not numbers or len(value) != 3 or not np.isfinite(np.array(value, np.float64)).all():
         raise InputError(f"{where}{key}: expected three numbers, got {str(value)[:60]!r}", path=path)
     return np.array(value, np.float64)

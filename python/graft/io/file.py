@@ -13,9 +13,10 @@ import numpy as np
 from graft.errors import InputError, InputWarning
 from graft.io.cloud import TEXT_SUFFIXES, read_npz_mesh, read_text_cloud
 from graft.io.gltf import GRAFT_SCHEMA, UP, read_gltf
-from graft.io.guards import malformed_is_input_error, read_xml
+from graft.io.guards import malformed_is_input_error
 from graft.io.mesh_file import MESH_SUFFIXES, read_raw
 from graft.io.pieces import Piece, RawMesh, cleaned, merged
+from graft.io.robot_xml import read_description
 from graft.io.sidecar import LABEL_SUFFIXES, ObjectWords, find_beside, read_labels, read_object_words
 from graft.io.splitting import split_by_labels
 from graft.objects import Joint, Part, PartObject, unique_names
@@ -35,13 +36,13 @@ def load_robot_file(
     missing: Literal["error", "skip"],
 ) -> PartObject:
     """Read an MJCF or URDF file; the root element tells which."""
-    root = read_xml(path)
+    root = read_description(path)
     if root.tag == "mujoco":
         if parts not in ("auto", "bodies", "geoms"):
             raise InputError(f"parts: MJCF has bodies or geoms, got {parts!r}", path=path)
         from graft.io.mjcf import load_mjcf
 
-        mjcf: PartObject = load_mjcf(path, parts=parts)
+        mjcf: PartObject = load_mjcf(path, parts=parts, packages=packages)
         return mjcf
     if root.tag == "robot":
         if parts not in ("auto", "links", "visuals"):
@@ -58,8 +59,8 @@ def load_mesh_file(path: Path, *, alone: bool | None = None) -> PartObject:
 
     Args:
         path: One of `KNOWN_SUFFIXES` but the robot descriptions.
-        alone: Whether it is the only mesh of its folder, so that `parts.*` and `object.json` are about it; found out
-            when None.
+        alone: Whether it is the only mesh of its folder, so that `parts.*` and `object.json` are about it;
+            found out when None.
     """
     if alone is None:
         others = [p for p in path.parent.iterdir() if p.suffix.lower() in MESH_SUFFIXES and p != path]
@@ -83,9 +84,7 @@ def load_mesh_file(path: Path, *, alone: bool | None = None) -> PartObject:
     if path.suffix.lower() in (".glb", ".gltf"):
         obj = replace(obj, up=np.array(UP), scale_to_metres=1.0)
     if numbers is None and len(meshes) == 1 and words.part_names is not None and len(words.part_names) == 1:
-        obj = replace(
-            obj, parts=(replace(obj.parts[0], name=words.part_names[0], label=words.part_names[0]),)
-        )
+        obj = replace(obj, parts=(replace(obj.parts[0], name=words.part_names[0], label=words.part_names[0]),))
     return _with_words(obj, words, path, numbers)
 
 
@@ -112,9 +111,7 @@ def assemble(name: str, meshes: list[RawMesh], *, path: Path, notes: tuple[str, 
     return obj
 
 
-def _with_words(
-    obj: PartObject, words: ObjectWords, path: Path, numbers: list[int] | None = None
-) -> PartObject:
+def _with_words(obj: PartObject, words: ObjectWords, path: Path, numbers: list[int] | None = None) -> PartObject:
     """Add what object.json says; `numbers` are the label numbers of the parts, their own order when None."""
     places = {number: i for i, number in enumerate(range(len(obj.parts)) if numbers is None else numbers)}
     notes = list(obj.notes)
@@ -153,16 +150,14 @@ def _load_gltf(path: Path) -> PartObject:
 def _own(obj: PartObject, extras: dict[str, Any], parts: list[dict[str, Any]], path: Path) -> PartObject:
     """Give an object read from graft's own GLB back what the extras keep."""
     if extras["schema"] != GRAFT_SCHEMA:
-        raise InputError(
-            f"graft schema {extras['schema']!r} is not read, {GRAFT_SCHEMA} is: a newer graft wrote it"
-        )
+        raise InputError(f"graft schema {extras['schema']!r} is not read, {GRAFT_SCHEMA} is: a newer graft wrote it")
     up = extras.get("up")
     named = tuple(
         replace(
             part,
-            name=words.get("name", part.name),
-            label=words.get("label", part.label),
-            notes=(*words.get("notes", ()), *part.notes),
+            name=_text(words, "name") or part.name,
+            label=_text(words, "label") or part.label,
+            notes=(*_texts(words, "notes"), *part.notes),
         )
         for part, words in zip(obj.parts, parts, strict=True)
     )
@@ -179,16 +174,30 @@ def _own(obj: PartObject, extras: dict[str, Any], parts: list[dict[str, Any]], p
         for j in extras.get("joints", [])
     )
     return PartObject(
-        str(extras.get("name", obj.name)),
+        _text(extras, "name") or obj.name,
         named,
         joints,
-        extras.get("category"),
+        _text(extras, "category"),
         None if up is None else np.array(up, np.float64),
         extras.get("scale_to_metres"),
         tuple(extras.get("graspable", ())),
-        (*extras.get("notes", ()), *obj.notes),
+        (*_texts(extras, "notes"), *obj.notes),
         source=str(path),
     )
+
+
+def _text(words: dict[str, Any], key: str) -> str | None:
+    value = words.get(key)
+    if value is not None and not isinstance(value, str):
+        raise InputError(f"graft extras {key}: expected a string, got {value!r}")
+    return value
+
+
+def _texts(words: dict[str, Any], key: str) -> list[str]:
+    values = words.get(key, [])
+    if not isinstance(values, list) or not all(isinstance(v, str) for v in values):
+        raise InputError(f"graft extras {key}: expected a list of strings, got {values!r}")
+    return values
 
 
 def _limits(lower: float | None, upper: float | None) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Literal
 
@@ -24,8 +25,8 @@ PARTNET_SIGNS = ("mobility.urdf", "semantics.txt")
 """A folder without any of these is not of PartNet-Mobility."""
 
 LOOKED_FOR = (
-    f"{DEMONSTRATION_FILE}, a PartNet-Mobility folder, one URDF or MJCF file, meshes ({', '.join(MESH_SUFFIXES)}), "
-    f"or one point cloud ({', '.join(TEXT_SUFFIXES)}, .npz)"
+    f"{DEMONSTRATION_FILE}, a PartNet-Mobility folder, one URDF or MJCF file, "
+    f"meshes ({', '.join(MESH_SUFFIXES)}), or one point cloud ({', '.join(TEXT_SUFFIXES)}, .npz)"
 )
 
 
@@ -75,13 +76,11 @@ def _named(obj: PartObject, path: Path, folder: Path) -> PartObject:
 
 
 def _one_mesh_per_part(folder: Path, paths: list[Path]) -> PartObject:
-    """Read one part from each file, called by the file's stem, in the order of object.json or of the names."""
+    """Read one part from each file, called by its stem; object.json's order, else that of the names."""
     stems = [path.stem for path in paths]
-    for first, second in zip(paths, paths[1:], strict=False):
+    for first, second in pairwise(paths):
         if first.stem == second.stem:
-            raise InputError(
-                f"duplicate part name {first.stem!r}: {first.name} and {second.name}", path=folder
-            )
+            raise InputError(f"duplicate part name {first.stem!r}: {first.name} and {second.name}", path=folder)
     words_file = folder / "object.json"
     words = read_object_words(words_file) if words_file.is_file() else ObjectWords()
     if words.part_names is not None:
@@ -92,9 +91,7 @@ def _one_mesh_per_part(folder: Path, paths: list[Path]) -> PartObject:
             )
         paths = [paths[stems.index(name)] for name in words.part_names]
     if any(g >= len(paths) for g in words.graspable):
-        raise InputError(
-            f"graspable_parts {list(words.graspable)}: there are {len(paths)} parts", path=words_file
-        )
+        raise InputError(f"graspable_parts {list(words.graspable)}: there are {len(paths)} parts", path=words_file)
     obj = assemble(
         words.name or folder.resolve().name,
         [merged(path.stem, read_raw(path)) for path in paths],

@@ -1,7 +1,7 @@
 """glTF and GLB: every node that holds a mesh is a part, its transform applied.
 
-By its specification glTF is in metres with +Y up. Files that graft wrote have more to say: a root node whose `extras`
-hold the key "graft" keeps the object's own frame, up axis, scale and names (`graft.io.save`).
+By its specification glTF is in metres with +Y up. Files that graft wrote have more to say: a root node whose
+`extras` hold the key "graft" keeps the object's own frame, up axis, scale and names (`graft.io.save`).
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class Scene:
     """What a glTF file holds.
 
     Attributes:
-        meshes: One per node with a mesh, in the order of the scene graph; in the frame of the node with graft's
-            extras when there is one, else the scene's.
+        meshes: One per node with a mesh, in the order of the scene graph; in the frame of the node with
+            graft's extras when there is one, else the scene's.
         extras: graft's words about the object, None in files of others.
         mesh_extras: graft's words about each mesh; {} where there are none.
         notes: What was not read.
@@ -100,9 +100,7 @@ def _transform(node: dict[str, Any], index: int, path: Path) -> Floats:
         x, y, z, w = np.array(node.get("rotation", (0, 0, 0, 1)), np.float64)
         length = x * x + y * y + z * z + w * w
         if not length > 0:
-            raise InputError(
-                f"node {index} rotation: expected a quaternion, got length {length:g}", path=path
-            )
+            raise InputError(f"node {index} rotation: expected a quaternion, got length {length:g}", path=path)
         s = 2.0 / length
         rotation = np.array(
             [
@@ -148,7 +146,7 @@ def _mesh(file: GltfFile, node: dict[str, Any], world: Floats, notes: list[str])
 
 
 def _normals(file: GltfFile, primitive: dict[str, Any], world: Floats, count: int) -> Floats | None:
-    """Return the normals of a point cloud's points in the scene's frame; they turn by the inverse transpose."""
+    """Return the normals of a cloud's points in the scene's frame; they turn by the inverse transpose."""
     if "NORMAL" not in primitive["attributes"] or not abs(np.linalg.det(world[:3, :3])) > 0:
         return None
     normals = file.floats(primitive["attributes"]["NORMAL"])

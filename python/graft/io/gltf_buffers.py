@@ -48,9 +48,7 @@ class GltfFile:
         required = self.document.get("extensionsRequired", [])
         for extension in UNREADABLE_EXTENSIONS:
             if extension in required:
-                raise InputError(
-                    f"compressed with {extension}, which is not read: save it uncompressed", path=path
-                )
+                raise InputError(f"compressed with {extension}, which is not read: save it uncompressed", path=path)
         for image in self.document.get("images", []):
             uri = image.get("uri")
             if uri is not None and not uri.startswith("data:"):  # not opened, yet it must not point elsewhere
@@ -83,9 +81,7 @@ class GltfFile:
             raise InputError(f"{kind} {index!r}: out of range, there are {len(items)}", path=self.path)
         found = items[index]
         if not isinstance(found, dict):
-            raise InputError(
-                f"{kind} {index}: expected an object, got {type(found).__name__}", path=self.path
-            )
+            raise InputError(f"{kind} {index}: expected an object, got {type(found).__name__}", path=self.path)
         return found
 
     def view(self, index: int) -> bytes:
@@ -97,7 +93,8 @@ class GltfFile:
         start, length = view.get("byteOffset", 0), view["byteLength"]
         if start < 0 or length < 0 or start + length > len(self.buffers[buffer]):
             raise InputError(
-                f"bufferView {index}: bytes {start} to {start + length} of a buffer of {len(self.buffers[buffer])}",
+                f"bufferView {index}: bytes {start} to {start + length}, "
+                f"buffer {buffer} has {len(self.buffers[buffer])}",
                 path=self.path,
             )
         return self.buffers[buffer][start : start + length]
@@ -121,9 +118,7 @@ class GltfFile:
     def _accessor(self, index: int, accessor: dict[str, Any]) -> np.ndarray[Any, Any]:
         kind, component, count = accessor.get("type"), accessor.get("componentType"), accessor.get("count")
         if kind not in WIDTHS or component not in COMPONENTS or not isinstance(count, int) or count < 0:
-            raise InputError(
-                f"accessor {index}: {count} of {kind} {component} is not geometry", path=self.path
-            )
+            raise InputError(f"accessor {index}: {count} of {kind} {component} is not geometry", path=self.path)
         sparse = accessor.get("sparse")
         if "bufferView" in accessor:
             view = self.item("bufferViews", accessor["bufferView"])

@@ -1,7 +1,7 @@
-"""What stands between a file from anywhere and the readers: sizes, paths, XML, JSON and zip archives are checked here.
+"""What stands between files from anywhere and the readers: checks of sizes, paths, XML, JSON, archives.
 
-Nothing is allocated from a count that a header claims, no reference is followed out of the folder that the user named,
-no entity is expanded, and nothing is unpickled.
+Nothing is allocated from a count that a header claims, no reference is followed out of the folder that the
+user named, no entity is expanded, and nothing is unpickled.
 """
 
 from __future__ import annotations
@@ -18,16 +18,20 @@ from urllib.parse import unquote, urlsplit
 from graft.errors import InputError
 
 MAX_FILE_BYTES = 1 << 30
-"""Largest file that is read: 1 GiB, some 20 million triangles of binary STL; larger ones are not household objects."""
+"""Largest file that is read: 1 GiB, some 20 million triangles of binary STL; larger ones are not household
+objects."""
 
 MAX_TEXT_BYTES = 64 << 20
-"""Largest JSON or XML document that is parsed: 64 MiB, a hundred times the largest robot description we know."""
+"""Largest JSON or XML document that is parsed: 64 MiB, a hundred times the largest robot description we
+know."""
 
 MAX_ZIP_RATIO = 100
-"""A zip archive may grow by this factor. Deflate's limit is 1032, which only bombs and constant arrays come near."""
+"""A zip archive may grow by this factor. Deflate's limit is 1032, which only bombs and constant arrays come
+near."""
 
 FREE_ZIP_BYTES = 64 << 20
-"""An archive that unpacks to less than this is harmless whatever its ratio: constant label arrays stay readable."""
+"""An archive that unpacks to less than this is harmless whatever its ratio: constant label arrays stay
+readable."""
 
 _MALFORMED = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError, RecursionError)
 
@@ -72,7 +76,8 @@ def read_text(path: str | Path, *, limit: int = MAX_FILE_BYTES, what: str = "fil
 def resolve_inside(reference: str, *, root: Path, base: Path | None = None, path: str | Path) -> Path:
     """Return where a file's reference leads, if that is inside the asset root.
 
-    Backslashes count as slashes, as exporters on Windows write them. Symbolic links are followed before the check.
+    Backslashes count as slashes, as exporters on Windows write them. Symbolic links are followed before the
+    check.
 
     Args:
         reference: A relative path as written in the file, not percent-encoded.
@@ -117,9 +122,7 @@ def parse_json(text: str | bytes, *, path: str | Path, what: str = "document") -
         InputError: It is not JSON, not an object, or holds NaN or infinity; the message has the line.
     """
     if len(text) > MAX_TEXT_BYTES:
-        raise InputError(
-            f"the {what} has {len(text)} bytes, more than the {MAX_TEXT_BYTES} that are read", path=path
-        )
+        raise InputError(f"the {what} has {len(text)} bytes, more than the {MAX_TEXT_BYTES} that are read", path=path)
 
     def refuse(constant: str) -> None:
         raise ValueError(f"{constant} is not a JSON number")
@@ -144,7 +147,8 @@ def read_xml(path: str | Path) -> Any:
     """Parse an XML file and return its root element (lxml; `element.sourceline` is the line).
 
     Raises:
-        InputError: It is not well-formed, or has a DOCTYPE, whose entities can grow without bound or read files.
+        InputError: It is not well-formed, or has a DOCTYPE, whose entities can grow without bound or read
+            files.
     """
     return parse_xml(read_bytes(path, limit=MAX_TEXT_BYTES), path=path)
 
@@ -178,14 +182,14 @@ def open_zip(path: str | Path) -> zipfile.ZipFile:
     path = existing_file(path)
     try:
         archive = zipfile.ZipFile(path)
-    except (zipfile.BadZipFile, OSError, *_MALFORMED) as error:
+    except (zipfile.BadZipFile, OSError, NotImplementedError, *_MALFORMED) as error:
         raise InputError(f"not a zip archive, or a truncated one: {error}", path=path) from None
     unpacked = sum(member.file_size for member in archive.infolist())
     limit = min(max(FREE_ZIP_BYTES, MAX_ZIP_RATIO * path.stat().st_size), MAX_FILE_BYTES)
     if unpacked > limit:
         archive.close()
         raise InputError(
-            f"the archive of {path.stat().st_size} bytes unpacks to {unpacked}, more than the {limit} that are safe",
+            f"the archive of {path.stat().st_size} bytes unpacks to {unpacked}, more than is safe ({limit})",
             path=path,
         )
     return archive
@@ -208,7 +212,7 @@ def read_member(archive: zipfile.ZipFile, name: str, *, path: str | Path) -> byt
 
 @contextmanager
 def malformed_is_input_error(path: str | Path, what: str) -> Iterator[None]:
-    """Turn what a parser raises on nonsense it was not asked to expect into an `InputError` naming the file."""
+    """Turn what a parser raises on nonsense that it did not expect into an `InputError` naming the file."""
     try:
         yield
     except InputError as error:

@@ -50,8 +50,8 @@ def load_object(
 
     What is read, and what the parts are (docs/formats.md has more):
 
-    * GLB and glTF: every node with a mesh. By its specification glTF is in metres with +Y up, so `up` is (0, 1, 0)
-      and `scale_to_metres` 1 unless graft wrote the file, which then keeps the object's own frame.
+    * GLB and glTF: every node with a mesh. By its specification glTF is in metres with +Y up, so that `up` is
+      (0, 1, 0) and `scale_to_metres` 1, unless graft wrote the file, which then keeps the object's own frame.
     * OBJ: every object and group. STL: every solid. PLY, OFF: one part, or one per label.
     * A mesh with face labels next to it (`<stem>.seg`, `.npy`, `.npz`, or `parts.*`) and an `object.json`.
     * Point clouds `x y z [nx ny nz] label` as text, PLY with a label property, `.npz`.
@@ -86,9 +86,7 @@ def load_object(
     elif path.suffix.lower() in KNOWN_SUFFIXES:
         obj = load_mesh_file(path)
     else:
-        raise InputError(
-            f"unknown suffix {path.suffix!r}: the known ones are {', '.join(KNOWN_SUFFIXES)}", path=path
-        )
+        raise InputError(f"unknown suffix {path.suffix!r}: the known ones are {', '.join(KNOWN_SUFFIXES)}", path=path)
     try:
         obj = replace(
             obj,
@@ -110,7 +108,7 @@ def _with_size_note(obj: PartObject, path: Path) -> PartObject:
         hint = f"millimetres? then pass scale_to_metres={likely}" if likely else "check scale_to_metres"
         note = f"{diagonal * scale:.4g} m across at {scale:g} metres per unit: {hint}"
     elif scale is None and diagonal > MILLIMETRE_DIAGONAL:
-        note = f"{diagonal:.4g} units across and no unit in the file: millimetres? then pass scale_to_metres=0.001"
+        note = f"{diagonal:.4g} units across and no unit is given: millimetres? then pass scale_to_metres=0.001"
     else:
         return obj
     if note in obj.notes:
@@ -123,8 +121,8 @@ def as_object(value: ObjectLike) -> PartObject:
     """Return the object that `value` names.
 
     Args:
-        value: See `ObjectLike`. Paths are read with `load_object`. Every geometry of a `trimesh.Scene` is a part,
-            as often as the scene graph places it, in the scene's frame.
+        value: See `ObjectLike`. Paths are read with `load_object`. Every geometry of a `trimesh.Scene` is a
+            part, as often as the scene graph places it, in the scene's frame.
 
     Raises:
         InputError: It is something else, or cannot be used.
@@ -180,18 +178,14 @@ def _from_arrays(vertices: Any, faces: Any, labels: Any = None) -> PartObject:
         raise InputError(f"vertices: expected shape (v, 3), got {points.shape}")
     triangles = triangles.reshape(0, 3).astype(np.int64) if triangles.size == 0 else triangles
     if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
-        raise InputError(
-            f"faces: expected integers of shape (f, 3), got {triangles.shape} of {triangles.dtype}"
-        )
+        raise InputError(f"faces: expected integers of shape (f, 3), got {triangles.shape} of {triangles.dtype}")
     mesh = RawMesh("object", points, triangles.astype(np.int64))
     check_range(mesh.faces, len(points))
     if labels is None:
         return _from_meshes("object", [mesh])
     given = np.asarray(labels)
     if given.ndim != 1 or given.dtype.kind not in "iuUO":
-        raise InputError(
-            f"labels: expected a number or a name for each face, got {given.shape} of {given.dtype}"
-        )
+        raise InputError(f"labels: expected a number or a name for each face, got {given.shape} of {given.dtype}")
     names = None
     if given.dtype.kind in "UO":
         words, given = np.unique(given.astype(str), return_inverse=True)

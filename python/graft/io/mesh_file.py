@@ -32,9 +32,7 @@ def read_raw(path: str | Path) -> list[RawMesh]:
             return read_ply(path)
         if suffix == ".stl":
             return read_stl(path)
-    raise InputError(
-        f"unknown mesh format {suffix!r}: the known ones are {', '.join(MESH_SUFFIXES)}", path=path
-    )
+    raise InputError(f"unknown mesh format {suffix!r}: the known ones are {', '.join(MESH_SUFFIXES)}", path=path)
 
 
 def read_mesh(path: str | Path) -> list[Piece]:
@@ -45,8 +43,8 @@ def read_mesh(path: str | Path) -> list[Piece]:
 
     Returns:
         One piece per node of a glTF scene, object or group of an OBJ file, solid of an STL file, else one; at
-        least one. Vertices are in the file's own units and frame, transforms in the file are applied. Names are
-        those of the file, and may repeat.
+        least one. Vertices are in the file's own units and frame, transforms in the file are applied. Names
+        are those of the file, and may repeat.
 
     Raises:
         InputError: The file is missing, empty, truncated, of unknown format, or not what its header says.

@@ -6,6 +6,7 @@ mean here what they mean there.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -28,7 +29,12 @@ JOINT_KINDS: tuple[JointType, ...] = ("free", "ball", "slide", "hinge")
 """In the order of MuJoCo's mjtJoint."""
 
 
-def load_mjcf(path: str | Path, *, parts: Literal["auto", "bodies", "geoms"] = "auto") -> PartObject:
+def load_mjcf(
+    path: str | Path,
+    *,
+    parts: Literal["auto", "bodies", "geoms"] = "auto",
+    packages: Mapping[str, Path] | None = None,
+) -> PartObject:
     """Load an MJCF file.
 
     Where a body has geoms in groups 0 to 2, those in the hidden groups 3 to 5 are left out. Of what remains,
@@ -40,6 +46,8 @@ def load_mjcf(path: str | Path, *, parts: Literal["auto", "bodies", "geoms"] = "
         path: The file.
         parts: What becomes a part: every body with geometry, every geom, or ("auto") bodies when several have
             geometry and geoms when only one has.
+        packages: Folders, by any name, that the model may name files in beside its asset root, which is
+            `packages.asset_root`.
 
     Returns:
         The object in metres in the world frame at qpos0; up is against gravity, or z where there is none.
@@ -50,20 +58,17 @@ def load_mjcf(path: str | Path, *, parts: Literal["auto", "bodies", "geoms"] = "
     """
     path = existing_file(path)
     check_choice("parts", parts, tuple(PARTS_CHOICES))
-    check_model(path)
+    check_model(path, tuple(Path(folder) for folder in (packages or {}).values()))
     try:
         import mujoco
     except ImportError:
         raise MissingExtraError(f"reading the MJCF file {path}", package="mujoco", extra="sim") from None
 
-    model = _compiled(mujoco, path)
+    notes: list[str] = []
+    model = _compiled(mujoco, path, notes)
     data = mujoco.MjData(model)  # its qpos is qpos0
     mujoco.mj_kinematics(model, data)
-    notes: list[str] = []
-    bodies = [
-        _body(mujoco, model, data, body, geoms)
-        for body, geoms in enumerate(_kept_geoms(mujoco, model, notes))
-    ]
+    bodies = [_body(mujoco, model, data, body, geoms) for body, geoms in enumerate(_kept_geoms(mujoco, model, notes))]
     try:
         made, joints = parts_and_joints(bodies, whole=PARTS_CHOICES[parts])
     except InputError as error:
@@ -81,20 +86,36 @@ def load_mjcf(path: str | Path, *, parts: Literal["auto", "bodies", "geoms"] = "
     )
 
 
-def _compiled(mujoco: Any, path: Path) -> Any:
-    """Return the compiled model, with all geoms and bodies, and without textures, which no part needs."""
+def _compiled(mujoco: Any, path: Path, notes: list[str]) -> Any:
+    """Return the compiled model, with all geoms and bodies, and without textures, which no part needs.
+
+    MuJoCo's warnings become `notes`; left alone it appends them to a file in the current folder.
+    """
+
+    def warn(message: str) -> None:
+        notes.append(f"MuJoCo warns: {' '.join(message.split())}")
+
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(warn)
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-        for material in spec.materials:
-            material.textures = [""] * len(material.textures)
-        for texture in list(spec.textures):
-            spec.delete(texture)
-        spec.compiler.discardvisual = False
-        spec.compiler.fusestatic = False
-        spec.memory = -1  # what it needs, not what the file reserves
-        return spec.compile()
+        with warnings.catch_warnings(record=True) as deprecations:
+            warnings.simplefilter("always")
+            spec = mujoco.MjSpec.from_file(str(path))
+            for material in spec.materials:
+                material.textures = [""] * len(material.textures)
+            for texture in list(spec.textures):
+                spec.delete(texture)
+            spec.compiler.discardvisual = False
+            spec.compiler.fusestatic = False
+            spec.memory = -1  # what it needs, not what the file reserves
+            model = spec.compile()
+        for deprecation in deprecations:
+            warn(str(deprecation.message))
+        return model
     except (ValueError, TypeError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         raise InputError(f"MuJoCo refuses it: {error}", path=path) from None
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 def _kept_geoms(mujoco: Any, model: Any, notes: list[str]) -> list[list[int]]:
@@ -174,7 +195,7 @@ def _piece(mujoco: Any, model: Any, data: Any, body_name: str, geom: int) -> Rig
 
 
 def _mesh(model: Any, mesh: int) -> primitives.Triangles:
-    """Return a mesh as MuJoCo keeps it: single precision, in its inertial frame, which the geom's pose undoes."""
+    """Return a mesh as MuJoCo keeps it: single precision, in its inertial frame."""
     vertex, face = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
     vertices = model.mesh_vert[vertex : vertex + int(model.mesh_vertnum[mesh])].astype(np.float64)
     faces = model.mesh_face[face : face + int(model.mesh_facenum[mesh])].astype(np.int64)

@@ -16,11 +16,11 @@ from graft.io.text import number_rows
 
 
 def read_obj(path: Path) -> list[RawMesh]:
-    """Read an OBJ file; every `o` and every `g` in it that has faces is a mesh, in the order of their first face.
+    """Read an OBJ file; every `o` and every `g` that has faces is a mesh, in the order of their first face.
 
-    A group is called by its name, or by object and group where two objects have a group of that name. Faces that
-    come under the same object and group again belong to the same mesh. A material library outside the file's folder is
-    refused, although none is opened. A file of vertices without faces is a point cloud.
+    A group is called by its name, or by object and group where two objects have a group of that name. Faces
+    that come under the same object and group again belong to the same mesh. A material library outside the
+    file's folder is refused, although none is opened. A file of vertices without faces is a point cloud.
     """
     vertex_lines: list[str] = []
     vertex_numbers: list[int] = []
@@ -73,13 +73,11 @@ def read_obj(path: Path) -> list[RawMesh]:
 
 
 def _corners(rest: str, n_vertices: int, number: int, path: Path) -> list[int]:
-    """Return the vertex indices of a face line `a/b/c d/e/f ...`, from 0; negative ones count from the last vertex."""
+    """Return the vertex indices, from 0, of a face line `a/b/c d/e/f ..`; negative ones count backwards."""
     try:
         indices = [int(word.partition("/")[0]) for word in rest.split()]
     except ValueError:
-        raise InputError(
-            f"line {number}: expected a face of vertex numbers, got {rest[:60]!r}", path=path
-        ) from None
+        raise InputError(f"line {number}: expected a face of vertex numbers, got {rest[:60]!r}", path=path) from None
     if 0 in indices:
         raise InputError(f"line {number}: vertex number 0; they count from 1", path=path)
     if len(indices) < 3:

@@ -38,9 +38,7 @@ def read_off(path: Path) -> list[RawMesh]:
         )
     try:
         table = number_rows(lines[1 : 1 + n_vertices], first_line=numbers[1:], least=3)
-        polygons = ragged_rows(
-            lines[1 + n_vertices : 1 + n_vertices + n_faces], first_line=numbers[1 + n_vertices :]
-        )
+        polygons = ragged_rows(lines[1 + n_vertices : 1 + n_vertices + n_faces], first_line=numbers[1 + n_vertices :])
     except InputError as error:
         raise InputError(str(error), path=path) from None
     faces, origin = fan(polygons)

@@ -15,10 +15,10 @@ from urllib.parse import unquote
 from graft.errors import InputError
 
 DESCRIPTION_FOLDERS = ("urdf", "mjcf", "xml", "robots")
-"""Folders of descriptions by convention: meshes lie beside it, so its parent is the root."""
+"""Folders of descriptions by convention: meshes lie beside it, in its parent."""
 
 SHARE_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH", "CMAKE_PREFIX_PATH")
-"""Installation prefixes of ROS 2 and catkin: a package lies in PREFIX/share/NAME or PREFIX/NAME/share/NAME."""
+"""Installation prefixes of ROS 2 and catkin: packages lie in PREFIX/share/NAME or PREFIX/NAME/share/NAME."""
 
 
 def asset_root(path: Path) -> Path:
@@ -84,12 +84,8 @@ class AssetPaths:
         allowed = [root, *(Path(package) for package in self.packages.values())]
         candidates = list(dict.fromkeys((folder / path, root / path)))
         if not any(is_inside(candidates[0], one) for one in allowed):
-            raise InputError(
-                f"{address}: leaves the asset root {root}; name its folder as a package to allow it"
-            )
-        return _first(
-            candidate for candidate in candidates if any(is_inside(candidate, one) for one in allowed)
-        )
+            raise InputError(f"{address}: leaves the asset root {root}; name its folder as a package to allow it")
+        return _first(candidate for candidate in candidates if any(is_inside(candidate, one) for one in allowed))
 
     def _in_package(self, address: str, rest: str) -> Lookup:
         name, _, inner = rest.partition("/")

@@ -1,8 +1,8 @@
 """PartNet-Mobility folders: mobility.urdf, semantics.txt, textured_objs/*.obj, result.json, meta.json.
 
 The data set: https://sapien.ucsd.edu/browse. Within a link, every visual belongs to an instance of a
-semantic part, which its name tells ("handle-4", one name for all the meshes of that handle). A part of ours is one such
-instance on one link, so a door's handle and frame are two.
+semantic part, which its name tells ("handle-4", one name for all the meshes of that handle). A part of ours
+is one such instance on one link, so a door's handle and frame are two.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from graft.errors import InputError
-from graft.io.guards import existing_file, parse_json, read_json, read_text, read_xml
+from graft.io.guards import existing_file, parse_json, read_json, read_text
 from graft.io.robot_parts import Body, RigidPiece, check_choice, merged_piece, parts_and_joints
+from graft.io.robot_xml import read_description
 from graft.io.urdf import MISSING_CHOICES, UP, Missing, read_scene
 from graft.io.urdf_file import parse_robot
 from graft.objects import PartObject
@@ -56,7 +57,7 @@ def load_partnet(folder: str | Path, *, missing: Missing = "error") -> PartObjec
     folder = Path(folder)
     check_choice("missing", missing, MISSING_CHOICES)
     path = existing_file(folder / DESCRIPTION, what="PartNet-Mobility description")
-    robot = parse_robot(path, read_xml(path))
+    robot = parse_robot(path, read_description(path))
     scene = read_scene(path, robot, packages={}, missing=missing)
     semantics = _semantics(folder / "semantics.txt")
     leaves = _leaves(folder / "result.json")
@@ -88,9 +89,7 @@ def _instances(body: Body, semantics: Mapping[str, str], leaves: Mapping[str, st
         groups.setdefault(name, []).append(piece)
     for name, pieces in groups.items():
         instance = INSTANCE.fullmatch(name)
-        label = (
-            instance["label"] if instance else semantics.get(body.name, name) if len(groups) == 1 else name
-        )
+        label = instance["label"] if instance else semantics.get(body.name, name) if len(groups) == 1 else name
         yield replace(merged_piece(name, pieces), label=label)
 
 
@@ -117,9 +116,7 @@ def _semantics(path: Path) -> dict[str, str]:
         if not words:
             continue
         if len(words) != 3:
-            raise InputError(
-                f"line {number}: expected link, joint kind and name, got {line[:80]!r}", path=path
-            )
+            raise InputError(f"line {number}: expected link, joint kind and name, got {line[:80]!r}", path=path)
         names[words[0]] = words[2]
     return names
 
@@ -139,11 +136,7 @@ def _leaves(path: Path) -> dict[str, str]:
         if not isinstance(node, dict) or not isinstance(node.get("children", []), list):
             raise InputError("expected a hierarchy of parts with children", path=path)
         stack.extend(node.get("children", []))
-        if (
-            isinstance(node.get("name"), str)
-            and isinstance(node.get("objs", []), list)
-            and "children" not in node
-        ):
+        if isinstance(node.get("name"), str) and isinstance(node.get("objs", []), list) and "children" not in node:
             for mesh in node.get("objs", []):
                 names[str(mesh)] = f"{node['name']}-{node.get('id', 0)}"
     return names

@@ -14,7 +14,8 @@ from graft.objects import Floats, Ints
 Mask = NDArray[np.bool_]
 
 FLAT_TRIANGLE = 1e-12
-"""A triangle whose doubled area is below this share of its longest edge squared has no area in double precision."""
+"""A triangle whose doubled area is below this share of its longest edge squared has no area in double
+precision."""
 
 
 class Piece(NamedTuple):
@@ -60,9 +61,7 @@ class RawMesh:
     @property
     def n_polygons(self) -> int:
         """Number of faces as the file counts them."""
-        return (
-            len(self.faces) if self.polygon is None else int(self.polygon[-1]) + 1 if len(self.polygon) else 0
-        )
+        return len(self.faces) if self.polygon is None else int(self.polygon[-1]) + 1 if len(self.polygon) else 0
 
     def with_faces(self, name: str, chosen: Ints) -> RawMesh:
         """Return the piece of surface made of the triangles `chosen`, under another name."""
@@ -79,7 +78,8 @@ class RawMesh:
 def fan(polygons: list[list[int]]) -> tuple[Ints, Ints]:
     """Cut polygons into triangle fans about their first corner.
 
-    Polygons of fewer than three corners become a triangle without area, so that they are counted when it is dropped.
+    Polygons of fewer than three corners become a triangle without area, so that they are counted when it is
+    dropped.
 
     Returns:
         (f, 3) triangles and (f,) the polygon each came from, which never skips one.
@@ -103,9 +103,7 @@ def check_range(faces: Ints, n_vertices: int, what: str = "face") -> None:
     wrong = (faces < 0) | (faces >= n_vertices)
     if wrong.any():
         row = int(np.flatnonzero(wrong.any(axis=1))[0])
-        raise InputError(
-            f"{what} {row}: vertex index out of range, {faces[row].tolist()} of {n_vertices} vertices"
-        )
+        raise InputError(f"{what} {row}: vertex index out of range, {faces[row].tolist()} of {n_vertices} vertices")
 
 
 def merged(name: str, meshes: list[RawMesh]) -> RawMesh:
@@ -141,7 +139,7 @@ def cleaned(mesh: RawMesh) -> Piece:
     if len(vertices) == 0:
         raise InputError(f"{where}: no vertices")
     notes = []
-    finite: Mask = np.isfinite(vertices).all(axis=1)
+    finite: Mask = np.asarray(np.isfinite(vertices).all(axis=1))
     if not len(faces):
         if normals is not None:
             finite &= np.isfinite(normals).all(axis=1)
@@ -187,6 +185,6 @@ def _has_area(vertices: Floats, faces: Ints) -> Mask:
 
 
 def _unit_normals(normals: Floats) -> Floats | None:
-    """Return normals of length one, or None when some have no direction: half a set of normals tells no side."""
+    """Return normals of length one, or None when some have no direction: half a set tells no side."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return normals / length if (length > 0).all() else None

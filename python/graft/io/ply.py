@@ -55,7 +55,8 @@ class _Element:
 
 
 Columns = dict[str, Any]
-"""Property name -> (n,) array, or a list of n lists for list properties of varying length, or (n, k) for constant."""
+"""Property name -> (n,) array, or a list of n lists for list properties of varying length, or (n, k) for
+constant."""
 
 
 def read_ply(path: Path) -> list[RawMesh]:
@@ -63,9 +64,7 @@ def read_ply(path: Path) -> list[RawMesh]:
     data = read_bytes(path)
     order, elements, start, n_lines = _header(data, path)
     columns = (
-        _ascii(data[start:], elements, n_lines, path)
-        if order == ""
-        else _binary(data, start, order, elements, path)
+        _ascii(data[start:], elements, n_lines, path) if order == "" else _binary(data, start, order, elements, path)
     )
     return [_mesh(columns, elements, path)]
 
@@ -101,9 +100,7 @@ def _header(data: bytes, path: Path) -> tuple[str, list[_Element], int, int]:
 
 
 def _short(element: _Element, path: Path, has: str) -> InputError:
-    return InputError(
-        f"the header says {element.count} of element {element.name!r}; the file has {has}", path=path
-    )
+    return InputError(f"the header says {element.count} of element {element.name!r}; the file has {has}", path=path)
 
 
 def _binary(data: bytes, start: int, order: str, elements: list[_Element], path: Path) -> dict[str, Columns]:
@@ -121,7 +118,7 @@ def _binary(data: bytes, start: int, order: str, elements: list[_Element], path:
 
 
 def _constant_rows(data: bytes, start: int, order: str, element: _Element) -> tuple[Columns, int] | None:
-    """Read rows at once when every list has the length that it has in the first row; None when that is not so."""
+    """Read rows at once when every list is as long as in the first row; None when that is not so."""
     fields: list[tuple[Any, ...]] = []
     offset = start
     lengths: dict[str, int] = {}
@@ -169,9 +166,7 @@ def _varying_rows(data: bytes, start: int, order: str, element: _Element, path: 
             values = np.frombuffer(data, kind, length, offset).tolist()
             column.append(values if counted is not None else values[0])
             offset += length * kind.itemsize
-    return {
-        p.name: columns[p.name] if p.counted_by else np.array(columns[p.name]) for p in element.properties
-    }, offset
+    return {p.name: columns[p.name] if p.counted_by else np.array(columns[p.name]) for p in element.properties}, offset
 
 
 def _ascii(body: bytes, elements: list[_Element], n_lines: int, path: Path) -> dict[str, Columns]:
@@ -209,9 +204,7 @@ def _ascii_lists(lines: list[str], element: _Element, first: int, path: Path) ->
             raise InputError(
                 f"line {first + row}: not a row of element {element.name!r}: {line.strip()[:60]!r}", path=path
             ) from None
-    return {
-        p.name: columns[p.name] if p.counted_by else np.array(columns[p.name]) for p in element.properties
-    }
+    return {p.name: columns[p.name] if p.counted_by else np.array(columns[p.name]) for p in element.properties}
 
 
 def _mesh(tables: dict[str, Columns], elements: list[_Element], path: Path) -> RawMesh:

@@ -26,11 +26,13 @@ ARRAY_BUFFER, ELEMENT_BUFFER = 34962, 34963
 def save_object(obj: PartObject, path: str | Path) -> None:
     """Write an object to a file that is complete or not there at all.
 
-    GLB (.glb) keeps everything: names, labels, joints, up, scale, category, graspable parts, notes, in the `extras` of
-    the root node. `graft.load_object` gives the object back, vertices rounded to float32, as glTF has no other. The root
-    node turns the object +Y up and scales it to metres, so that other programs show it as glTF wants it.
+    GLB (.glb) keeps everything: names, labels, joints, up, scale, category, graspable parts, notes, in the
+    `extras` of the root node. `graft.load_object` gives the object back, vertices rounded to float32, as glTF
+    has no other. The root node turns the object +Y up and scales it to metres, so that other programs show it
+    as glTF wants it.
 
-    OBJ (.obj) keeps the vertices to the last bit and the parts as objects called by their names, and nothing else.
+    OBJ (.obj) keeps the vertices to the last bit and the parts as objects called by their names, and nothing
+    else.
 
     Args:
         obj: What to write.
@@ -172,7 +174,7 @@ def _object_words(obj: PartObject) -> dict[str, Any]:
 
 
 def _to_gltf_frame(obj: PartObject) -> Floats:
-    """Return (4, 4) from the object frame to metres with +Y up: the shortest turn; as it lies when up is unknown."""
+    """Return (4, 4) from the object frame to metres with +Y up, by the shortest turn; unturned without up."""
     matrix = np.eye(4)
     if obj.up is not None:
         up = np.asarray(obj.up)
@@ -193,9 +195,7 @@ def _obj_bytes(obj: PartObject, path: Path) -> bytes:
     start = 1
     for part in obj.parts:
         if part.is_point_cloud:
-            raise InputError(
-                f"part {part.name!r} is a point cloud, which OBJ has no faces for: use .glb", path=path
-            )
+            raise InputError(f"part {part.name!r} is a point cloud, which OBJ has no faces for: use .glb", path=path)
         lines.append(f"o {part.name}")
         lines.extend(f"v {x!r} {y!r} {z!r}" for x, y, z in part.vertices.tolist())
         lines.extend(f"f {a} {b} {c}" for a, b, c in (part.faces + start).tolist())

@@ -59,9 +59,8 @@ def read_object_words(path: Path) -> ObjectWords:
         return value
 
     names = words.get("part_names")
-    if names is not None:
-        if not isinstance(names, list) or not all(isinstance(n, str) and n for n in names):
-            raise wrong("part_names", "a list of names")
+    if names is not None and not (isinstance(names, list) and all(isinstance(n, str) and n for n in names)):
+        raise wrong("part_names", "a list of names")
     graspable = words.get("graspable_parts") or []
     if not isinstance(graspable, list) or not all(_is_int(g) and g >= 0 for g in graspable):
         raise wrong("graspable_parts", "a list of part numbers")
@@ -71,9 +70,7 @@ def read_object_words(path: Path) -> ObjectWords:
             path=path,
         )
     up = words.get("up_axis")
-    if up is not None and not (
-        isinstance(up, list) and len(up) == 3 and all(map(_is_number, up)) and any(up)
-    ):
+    if up is not None and not (isinstance(up, list) and len(up) == 3 and all(map(_is_number, up)) and any(up)):
         raise wrong("up_axis", "three numbers that are not all zero, or null")
     scale = words.get("scale_to_metres")
     if scale is not None and not (_is_number(scale) and scale > 0):
@@ -97,7 +94,7 @@ def _is_number(value: Any) -> bool:
 
 
 def find_beside(mesh: Path, stems: tuple[str, ...], suffixes: tuple[str, ...]) -> Path | None:
-    """Return the first file next to `mesh` called a stem plus a suffix; links out of the folder are refused."""
+    """Return the first file next to `mesh` called a stem plus a suffix; a link out of there is refused."""
     for stem in stems:
         for suffix in suffixes:
             candidate = mesh.with_name(stem + suffix)
@@ -127,9 +124,7 @@ def read_labels(path: Path) -> Ints:
     except (ValueError, OverflowError):
         for number, word in enumerate(words, start=1):
             if not word.lstrip("+-").isdecimal() or len(word) > 18:
-                raise InputError(
-                    f"label {number}: expected a whole number, got {word[:40]!r}", path=path
-                ) from None
+                raise InputError(f"label {number}: expected a whole number, got {word[:40]!r}", path=path) from None
         raise
 
 
@@ -139,9 +134,7 @@ def label_array(arrays: dict[str, Array], path: Path) -> Array:
     if key is None and len(arrays) == 1:
         key = next(iter(arrays))
     if key is None:
-        raise InputError(
-            f"no array called {' or '.join(LABEL_KEYS)} among {', '.join(arrays) or 'none'}", path=path
-        )
+        raise InputError(f"no array called {' or '.join(LABEL_KEYS)} among {', '.join(arrays) or 'none'}", path=path)
     return arrays[key]
 
 
@@ -154,9 +147,7 @@ def whole_numbers(values: Array, path: Path) -> Ints:
     if values.ndim == 2 and 1 in values.shape:
         values = values.ravel()
     if values.ndim != 1 or values.dtype.kind not in "iufb":
-        raise InputError(
-            f"labels: expected one number each, got shape {values.shape} of {values.dtype}", path=path
-        )
+        raise InputError(f"labels: expected one number each, got shape {values.shape} of {values.dtype}", path=path)
     if values.dtype.kind == "f" and not (np.isfinite(values).all() and (values == np.round(values)).all()):
         raise InputError("labels: expected whole numbers", path=path)
     return values.astype(np.int64)

@@ -20,8 +20,8 @@ def split_by_labels(
 
     Args:
         mesh: f triangles cut from p polygons, or v points and no faces.
-        labels: One per polygon or per triangle; one per point of a cloud. A mesh may also be labelled per vertex: each
-            triangle then takes the label that two of its corners share, else the lowest.
+        labels: One per polygon or per triangle; one per point of a cloud. A mesh may also be labelled per
+            vertex: each triangle then takes the label that two of its corners share, else the lowest.
         names: Name of each label number; part_<number> when None.
         path: For messages.
 

@@ -43,9 +43,7 @@ def number_rows(lines: Sequence[str], *, first_line: int | Sequence[int], least:
                 try:
                     float(word)
                 except ValueError:
-                    raise InputError(
-                        f"line {numbered(index)}: expected a number, got {word[:40]!r}"
-                    ) from None
+                    raise InputError(f"line {numbered(index)}: expected a number, got {word[:40]!r}") from None
         raise
 
 

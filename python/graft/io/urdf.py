@@ -15,13 +15,13 @@ import numpy as np
 
 from graft.errors import InputError, InputWarning
 from graft.io import primitives
-from graft.io.guards import malformed_is_input_error, read_xml
+from graft.io.guards import malformed_is_input_error
 from graft.io.mesh_file import read_raw
 from graft.io.packages import AssetPaths, Lookup
 from graft.io.pieces import cleaned, merged
 from graft.io.robot_parts import Body, Freedom, RigidPiece, check_choice, parts_and_joints
+from graft.io.robot_xml import at_line, read_description
 from graft.io.urdf_file import Link, Robot, Visual, parse_robot
-from graft.io.xml_numbers import at_line
 from graft.objects import Floats, Ints, PartObject
 
 Surface = tuple[Floats, Ints, tuple[str, ...]]
@@ -64,7 +64,7 @@ def load_urdf(
     path = Path(path)
     check_choice("parts", parts, tuple(PARTS_CHOICES))
     check_choice("missing", missing, MISSING_CHOICES)
-    robot = parse_robot(path, read_xml(path))
+    robot = parse_robot(path, read_description(path))
     scene = read_scene(path, robot, packages=packages or {}, missing=missing)
     try:
         made, joints = parts_and_joints(scene.bodies, whole=PARTS_CHOICES[parts])
@@ -188,9 +188,7 @@ def _pieces(
         with np.errstate(over="ignore", invalid="ignore"):
             vertices = (vertices * visual.scale) @ T_object_visual[:3, :3].T + T_object_visual[:3, 3]
         if not np.isfinite(vertices).all():
-            raise at_line(
-                path, visual.element, f"visual {name!r} of link {link.name!r}: its coordinates overflow"
-            )
+            raise at_line(path, visual.element, f"visual {name!r} of link {link.name!r}: its coordinates overflow")
         yield RigidPiece(name, vertices, faces, notes=notes, named=bool(visual.name))
 
 

@@ -12,10 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from graft.io.xml_numbers import at_line, numbers, transform_xyz_rpy
+from graft.io.robot_xml import at_line, numbers, transform_xyz_rpy
 from graft.objects import UNIT_TOLERANCE, Floats, JointType
 
-XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "http://wiki.ros.org/xacro")
+XACRO_PREFIXES = (
+    "xacro:",
+    "{http://www.ros.org/wiki/xacro",
+    "{http://ros.org/wiki/xacro",
+    "{http://wiki.ros.org/xacro",
+)
+"""How the tags of xacro begin; its page has moved, and its namespace is not always declared."""
 
 JOINT_KINDS: Mapping[str, JointType] = {
     "revolute": "hinge",
@@ -113,17 +119,13 @@ def parse_robot(path: Path, root: Element) -> Robot:
             raise at_line(path, element, f"duplicate joint name {joint.name!r}")
         if joint.child in above:
             other = above[joint.child].name
-            raise at_line(
-                path, element, f"link {joint.child!r} has two parents, joints {other!r} and {joint.name!r}"
-            )
+            raise at_line(path, element, f"link {joint.child!r} has two parents, joints {other!r} and {joint.name!r}")
         names.add(joint.name)
         above[joint.child] = joint
     return Robot(_ordered(path, root, links, above), above)
 
 
-def _ordered(
-    path: Path, root: Element, links: Mapping[str, Link], above: Mapping[str, LinkJoint]
-) -> tuple[Link, ...]:
+def _ordered(path: Path, root: Element, links: Mapping[str, Link], above: Mapping[str, LinkJoint]) -> tuple[Link, ...]:
     """Return the links, parents before children, else in the order of the file."""
     roots = [name for name in links if name not in above]
     children: dict[str, list[str]] = {name: [] for name in links}
@@ -157,10 +159,8 @@ def _loop(name: str, above: Mapping[str, LinkJoint]) -> list[str]:
 def _refuse_xacro(path: Path, root: Element) -> None:
     for element in root.iter():
         tag = element.tag if isinstance(element.tag, str) else ""
-        if tag.startswith(tuple(f"{{{space}" for space in XACRO_NAMESPACES)):
-            raise at_line(
-                path, element, f"holds xacro ({tag.partition('}')[2]}): run xacro first and load its output"
-            )
+        if tag.startswith(XACRO_PREFIXES):
+            raise at_line(path, element, f"holds xacro (<{tag}>): run xacro first and load its output")
         for value in element.attrib.values():
             if "${" in value or "$(" in value:
                 raise at_line(path, element, f"holds xacro ({value!r}): run xacro first and load its output")
@@ -203,9 +203,7 @@ def _visual(path: Path, element: Element, link_name: str) -> Visual:
 def _sizes(path: Path, element: Element, attribute: str, count: int) -> tuple[float, ...]:
     values = numbers(path, element, attribute, count)
     if (values <= 0).any():
-        raise at_line(
-            path, element, f"{element.tag} {attribute}: expected above zero, got {element.get(attribute)!r}"
-        )
+        raise at_line(path, element, f"{element.tag} {attribute}: expected above zero, got {element.get(attribute)!r}")
     return tuple(values.tolist())
 
 

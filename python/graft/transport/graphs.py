@@ -72,9 +72,7 @@ class UFGW:
         """
         return self.batch([source], [source_part], target)[0]
 
-    def batch(
-        self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph
-    ) -> list[Transport]:
+    def batch(self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph) -> list[Transport]:
         """Match many sources against one target, in order.
 
         Raises:

@@ -217,7 +217,7 @@ def ufgw_batch(
     mus = [_array("mu", x, None, k, pairs) for k, x in enumerate(mu)]
     nus = [_array("nu", x, None, k, pairs) for k, x in enumerate(nu)]
     sizes = [(len(s), len(t)) for s, t in zip(mus, nus, strict=True)]
-    shapes = {
+    shapes: dict[str, Sequence[tuple[int, ...]]] = {
         "M": sizes,
         "A": [(n, n) for n, _ in sizes],
         "B": [(m, m) for _, m in sizes],

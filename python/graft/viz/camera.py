@@ -19,13 +19,13 @@ ELEVATIONS = (20.0, 38.0, 4.0, 58.0, -22.0)
 """Candidate views of a contact, in degrees, those that people take of objects first."""
 
 FACING = 0.35
-"""Cosine between the normal and the direction to the viewer that shows a contact best: the arrow nearly in full."""
+"""Cosine of normal and direction to the viewer that shows a contact best: the arrow nearly in full."""
 
 ENOUGH = 0.5
 """Share of the contact's ball that is seen from the side; seeing more is no gain."""
 
 VISIBLE_WEIGHT, FACING_WEIGHT, BROAD_WEIGHT, LEVEL_WEIGHT = 4.0, 0.8, 2.5, 0.6
-"""How much a view gains by seeing the ball, by facing it, by showing the object broadly, and by a usual height."""
+"""What a view gains by seeing the ball, by facing it, by showing the object broadly, by a usual height."""
 
 LEVEL = 24.0
 """The usual elevation, in degrees."""
@@ -53,11 +53,11 @@ def look_from(azimuth: float, elevation: float, up: Floats | None) -> Floats:
 
 
 def fit(rotation: Floats, points: Floats, width: int, height: int, margin: float = 0.06) -> Floats:
-    """Return the camera (3, 4) that shows all `points` (p, 3) in a picture of this size, as large as possible.
+    """Return the camera (3, 4) that shows all `points` in a picture of this size, as large as possible.
 
     Args:
         rotation: (3, 3) rows right, down, forward.
-        points: What must be seen, object frame.
+        points: (p, 3) what must be seen, object frame.
         width: Pixels.
         height: Pixels.
         margin: Share of each side that stays empty.
@@ -70,7 +70,7 @@ def fit(rotation: Floats, points: Floats, width: int, height: int, margin: float
 
 
 def framed(rotation: Floats, middle: Floats, scale: float, width: int, height: int) -> Floats:
-    """Return the camera (3, 4) of `scale` pixels a unit with `middle` (3,), camera frame, at the picture's centre."""
+    """Return the camera (3, 4) of `scale` pixels a unit that centres `middle` (3,), camera frame."""
     shift = np.array([width / 2, height / 2, 0.0]) - scale * middle
     return np.concatenate([scale * rotation, shift[:, None]], axis=1)
 
@@ -101,7 +101,7 @@ def contact_view(obj: PartObject, contact: Contact) -> tuple[float, float, float
 
 
 def _visible(obj: PartObject, contact: Contact, toward: Floats) -> Floats:
-    """Return (v,) the share of the contact's ball that is seen from each direction `toward` (v, 3) the viewer."""
+    """Return (v,) the share of the contact's ball seen from each direction `toward` (v, 3) the viewer."""
     radius = 1.02 * BALL_RADIUS * diagonal(obj)
     turns = np.arange(12)
     heights = 1.0 - 0.9 * (turns + 0.5) / len(turns)
@@ -124,4 +124,5 @@ def _visible(obj: PartObject, contact: Contact, toward: Floats) -> Floats:
     ).reshape(len(toward), -1)
     # A point on the far side of the ball is hidden by the ball itself.
     near = toward @ outward.T > 0.0
-    return (free & near).sum(axis=1) / len(outward)
+    shares: Floats = (free & near).mean(axis=1)
+    return shares

@@ -10,7 +10,7 @@ from graft.objects import Floats
 Colors = NDArray[np.uint8]
 
 DEMONSTRATED = (244, 176, 58)
-"""The demonstrated part, and whatever it is matched to: the same in every picture, so that the eye learns it."""
+"""The demonstrated part and what it is matched to: the same in every picture, so that the eye learns it."""
 
 CONTACT = (222, 32, 38)
 """Contact balls and arrows. No part's colour comes near it."""
@@ -68,6 +68,6 @@ def matched_colors(plan: Floats, source_colors: Colors) -> Colors:
     Returns:
         (m, 3); `UNMATCHED` where nothing arrives.
     """
-    colors = source_colors[np.argmax(plan, axis=0)].copy()
+    colors: Colors = source_colors[np.argmax(plan, axis=0)].copy()
     colors[plan.sum(axis=0) <= NO_MASS * plan.sum()] = UNMATCHED
     return colors

@@ -1,7 +1,7 @@
-"""Where everything stands in a scene: each transfer in a cell of a grid, the source to the left of the target.
+"""Where everything stands in a scene: each transfer in a cell of a grid, the source left of the target.
 
-The world is right-handed, z up; the viewer looks along y. Every object is turned so that its contact is seen from
-there, scaled to a diagonal of 1 and put on the ground.
+The world is right-handed, z up; the viewer looks along y. Every object is turned so that its contact is seen
+from there, scaled to a diagonal of 1 and put on the ground.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from graft.contact.transfer import TransferredContact
 
 OBJECT_FACES = 50_000
-"""No object is shown with more triangles: a browser draws that many smoothly, and nobody sees the difference."""
+"""No object is shown with more triangles: a browser draws that many smoothly, and more look no better."""
 
 SCENE_FACES = 240_000
 """Triangles of a whole scene: about 4 MB of page."""
@@ -31,13 +31,19 @@ SCENE_FACES = 240_000
 MIN_PART_FACES = 60
 """A part is not thinned below this."""
 
-PAIR_GAP = 1.25
+PAIR_GAP = 1.2
 """Distance between the middles of a source and its target."""
 
-CELL = (2.9, 2.0)
+CELL = (2.75, 2.5)
 """Width and depth of a transfer's cell."""
 
-LINK_SHARE = 0.15
+SCENE_ASPECT = 0.8
+"""Width to depth of the grid: seen from above at 33 degrees, it fills a window of 3 to 2."""
+
+CAPTION_DISTANCE = 0.62
+"""How far before the middle of its cell a caption lies."""
+
+LINK_SHARE = 0.2
 """Parts are linked when this share of either part's mass goes from one to the other."""
 
 
@@ -96,7 +102,7 @@ class Cell:
     Attributes:
         name: Unique in the scene.
         caption: For people, one line.
-        front: (3,) middle of the cell's front edge, on the ground, world.
+        front: (3,) where the caption lies, on the ground, world.
         source: The demonstrated object.
         target: The other one.
         links: Between their parts.
@@ -116,7 +122,7 @@ def lay_out(transfers: Sequence[TransferredContact]) -> list[Cell]:
     Raises:
         MissingExtraError: The meshes have to be thinned, and fast-simplification is not installed.
     """
-    columns = max(1, round(float(np.sqrt(len(transfers) * CELL[1] / CELL[0] * 1.6))))
+    columns = max(1, round(float(np.sqrt(SCENE_ASPECT * len(transfers) * CELL[1] / CELL[0]))))
     rows = -(-len(transfers) // columns)
     budget = min(OBJECT_FACES, SCENE_FACES // (2 * len(transfers)))
     cells = []
@@ -155,7 +161,7 @@ def _cell(transfer: TransferredContact, number: str, middle: Floats, budget: int
         match.target.object.part_names[transfer.target_part],
     )
     caption = f"{parts[0]} to {parts[1]}, cost {match.cost:.3f}, confidence {transfer.confidence:.2f}"
-    front = middle - np.array([0.0, 0.45 * CELL[1], 0.0])
+    front = middle - np.array([0.0, CAPTION_DISTANCE, 0.0])
     return Cell(name, caption, front, source, target, _links(match.transport.plan, source, target))
 
 
@@ -169,7 +175,7 @@ def place_object(
     title: str,
     budget: int = OBJECT_FACES,
 ) -> Placed:
-    """Turn an object's contact to the viewer, scale its diagonal to 1 and put it on the ground at `middle` (3,)."""
+    """Turn an object's contact to the viewer, scale its diagonal to 1, put it on the ground at `middle`."""
     azimuth = 30.0 if contact is None else contact_view(obj, contact)[0]
     right, down, forward = look_from(azimuth, 0.0, obj.up)
     scale = 1.0 / diagonal(obj)

@@ -22,14 +22,23 @@ def surface(shape: Shape, opacity: float = 1.0) -> trimesh.Trimesh | trimesh.Poi
         mesh = trimesh.graph.smooth_shade(mesh, angle=CREASE)
     mesh.visual = trimesh.visual.TextureVisuals(
         material=PBRMaterial(
-            baseColorFactor=(*shape.color, round(255 * opacity)),
+            baseColorFactor=(*linear(shape.color), opacity),
             alphaMode="OPAQUE" if opacity >= 1.0 else "BLEND",
             metallicFactor=0.0,
             roughnessFactor=0.65,
             doubleSided=True,
         )
     )
+    # Asked for once, because only normals that have been are exported; without them viewers show facets.
+    assert len(mesh.vertex_normals) == len(mesh.vertices)
     return mesh
+
+
+def linear(color: tuple[int, int, int]) -> tuple[float, ...]:
+    """Return an sRGB colour in linear light, 0 to 1, as glTF's factors are (IEC 61966-2-1)."""
+    srgb = np.array(color) / 255.0
+    light = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    return tuple(float(x) for x in light)
 
 
 def quaternion(pose: Floats) -> Floats:

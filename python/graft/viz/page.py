@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,15 +32,15 @@ VIEW_DIRECTION = np.array([0.0, -0.84, 0.54])
 ASPECT = 1.5
 """Width to height of the window that a scene is framed for."""
 
-LABEL_HEIGHT = 0.075
-"""Height of labels, in diagonals of an object."""
+LABEL_HEIGHT, NAME_HEIGHT = 0.06, 0.035
+"""Heights of labels and of parts' names, in diagonals of an object."""
 
 
 def save_scene(path: str | Path, transfers: TransferredContact | Sequence[TransferredContact]) -> None:
     """Write transfers as one self-contained HTML page.
 
     Sources stand to the left of their targets; parts have the colours of the match, lines join matched parts
-    (thicker and more opaque where more mass goes), contacts have a red ball and their frame's axes, blue the normal.
+    (stronger where more mass goes), contacts have a red ball and their frame's axes, the normal blue.
 
     Args:
         path: Ends in .html.
@@ -74,15 +75,13 @@ def save_object_scene(path: str | Path, obj: PartObject) -> None:
     placed = place_alone(obj)
     with _page(path) as server:
         _add_object(server.scene, placed)
-        for i, (shape, center) in enumerate(zip(placed.shapes, placed.centers, strict=True)):
-            star = "*" if i in obj.graspable else ""
-            _label(server.scene, f"names/{i}", shape.name + star, center)
-        _frame(server, _extent(placed))
+        beside = _add_names(server.scene, placed, obj)
+        _frame(server, np.concatenate([_extent(placed), beside]))
 
 
 @contextlib.contextmanager
 def _page(path: Path) -> Iterator[Any]:
-    """Give a viser server to fill, and write what it shows; it is reachable from nowhere else and does not stay."""
+    """Give a viser server to fill, and write what it shows; the server does not stay."""
     try:
         import viser
     except ImportError:
@@ -118,18 +117,22 @@ def _add_cell(scene: Any, cell: Cell) -> None:
 def _add_object(scene: Any, placed: Placed) -> None:
     """Add an object's parts, its title above it, and its contact."""
     scale = float(np.cbrt(np.linalg.det(placed.pose[:3, :3])))
-    scene.add_frame(
-        placed.name, show_axes=False, wxyz=quaternion(placed.pose), position=placed.pose[:3, 3], scale=scale
-    )
-    for i, shape in enumerate(placed.shapes):
+    scene.add_frame(placed.name, show_axes=False, wxyz=quaternion(placed.pose), position=placed.pose[:3, 3])
+    for i, unscaled in enumerate(placed.shapes):
+        # The same source, scaled alike and moved by its frame only, is stored once in the page.
+        shape = replace(unscaled, vertices=scale * unscaled.vertices, radius=scale * unscaled.radius)
         name = f"{placed.name}/{i}_{shape.name.replace('/', '_')}"
         if len(shape.faces):
             scene.add_mesh_trimesh(name, surface(shape))
         else:
             scene.add_point_cloud(
-                name, shape.vertices.astype(np.float32), shape.color, point_size=2 * shape.radius, point_shape="circle"
+                name,
+                shape.vertices.astype(np.float32),
+                shape.color,
+                point_size=2 * shape.radius,
+                point_shape="circle",
             )
-    middle = np.append(_extent(placed)[:, :2].mean(axis=0), placed.height + LABEL_HEIGHT)
+    middle = np.append(_extent(placed)[:, :2].mean(axis=0), placed.height + 1.5 * LABEL_HEIGHT)
     _label(scene, f"{placed.name}_title", placed.title, middle)
     if placed.contact is None:
         return
@@ -145,15 +148,35 @@ def _add_object(scene: Any, placed: Placed) -> None:
     )
 
 
-def _label(scene: Any, name: str, text: str, position: Floats) -> None:
-    scene.add_label(
-        name,
-        text,
-        position=position,
-        font_size_mode="scene",
-        font_scene_height=LABEL_HEIGHT,
-        anchor="center-center",
-    )
+def _add_names(scene: Any, placed: Placed, obj: PartObject) -> Floats:
+    """Write the parts' names in a column beside an object, with lines; returns (n, 3) where they end."""
+    order = np.argsort(-placed.centers[:, 2], kind="stable")
+    step = 1.6 * NAME_HEIGHT
+    spots = np.empty_like(placed.centers)
+    spots[:, :2] = _extent(placed)[:, 0].max() + 0.2, 0.0
+    tops = placed.height / 2 + step * ((len(order) - 1) / 2 - np.arange(len(order)))
+    spots[order, 2] = np.maximum(tops, tops - tops.min())
+    for i, (shape, center, spot) in enumerate(zip(placed.shapes, placed.centers, spots, strict=True)):
+        points = shape.vertices @ placed.pose[:3, :3].T + placed.pose[:3, 3]
+        nearest = points[int(np.argmin(np.linalg.norm(points - center, axis=1)))]
+        color = np.tile(np.array(shape.color, np.uint8), (1, 2, 1))
+        scene.add_line_segments(f"names/{i}/line", np.array([[nearest, spot]], np.float32), color, thickness=0.003)
+        name = f"{shape.name} (graspable)" if i in obj.graspable else shape.name
+        _label(scene, f"names/{i}/name", name, spot, height=NAME_HEIGHT, anchor="center-left")
+    ends: Floats = spots + np.array([0.3, 0.0, 0.0])
+    return ends
+
+
+def _label(
+    scene: Any,
+    name: str,
+    text: str,
+    position: Floats,
+    *,
+    height: float = LABEL_HEIGHT,
+    anchor: str = "center-center",
+) -> None:
+    scene.add_label(name, text, position=position, font_size_mode="scene", font_scene_height=height, anchor=anchor)
 
 
 def _extent(placed: Placed) -> Floats:

@@ -34,7 +34,10 @@ def draw_shapes(shapes: Sequence[Shape], camera: Floats, width: int, height: int
     pixels = _core.render_scene(
         vertices=np.concatenate([no_points, *(s.vertices for _, s in meshes)]),
         faces=np.concatenate(
-            [np.empty((0, 3), np.int64), *(s.faces + o for (_, s), o in zip(meshes, offsets[:-1], strict=True))]
+            [
+                np.empty((0, 3), np.int64),
+                *(s.faces + o for (_, s), o in zip(meshes, offsets[:-1], strict=True)),
+            ]
         ),
         face_groups=np.concatenate([no_groups, *(np.full(len(s.faces), i) for i, s in meshes)]),
         centers=np.concatenate([no_points, *(s.vertices for _, s in clouds)]),
@@ -91,7 +94,7 @@ def require_pillow() -> None:
 def encode_png(image: Image.Image) -> bytes:
     """Return the bytes of a PNG file."""
     buffer = io.BytesIO()
-    image.save(buffer, "PNG", optimize=True)
+    image.save(buffer, "PNG")
     return buffer.getvalue()
 
 

@@ -66,7 +66,7 @@ def object_shapes(obj: PartObject, colors: Colors) -> list[Shape]:
 
 
 def contact_shapes(contact: Contact, size: float) -> list[Shape]:
-    """Return a ball at the contact and an arrow along its outward normal, for an object of diagonal `size`."""
+    """Return a ball at the contact and an arrow along its normal, for an object of diagonal `size`."""
     ball = sphere(BALL_RADIUS * size)
     arrow = turned_profile(
         np.array([[0.0, 0.0], [0.0075, 0.0], [0.0075, 0.7], [0.02, 0.7], [0.0, 1.0]])
@@ -90,7 +90,7 @@ def frame_along(direction: Floats) -> Floats:
 
 
 def turned_profile(profile: Sequence[Sequence[float]] | Floats) -> tuple[Floats, Ints]:
-    """Turn a profile (k, 2) of (radius, height) about the z axis: vertices and faces, outward for rising heights."""
+    """Turn a profile (k, 2) of (radius, height) about the z axis; faces look outward where it rises."""
     rows = np.asarray(profile, np.float64)
     angles = 2 * np.pi * np.arange(SEGMENTS) / SEGMENTS
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)

@@ -58,10 +58,10 @@ LEGEND_ROWS = 3
 def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[TransferredContact]) -> None:
     """Write a contact sheet as PNG: for each transfer the source and the target, side by side.
 
-    The demonstrated part is amber, other parts have other colours, and every target part has the colour of the
-    source part that sends it the most mass (grey: none does). Contacts are red balls with an arrow along the
-    normal, seen from where they are visible. The frame is green when the contact lies in the target's graspable
-    mask, red when it does not, grey when there is no mask.
+    The demonstrated part is amber, other parts have other colours, and every target part has the colour of
+    the source part that sends it the most mass (grey: none does). Contacts are red balls with an arrow along
+    the normal, seen from where they are visible. The frame is green when the contact lies in the target's
+    graspable mask, red when it does not, grey when there is no mask.
 
     Args:
         path: Ends in .png.
@@ -81,9 +81,7 @@ def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[Transf
     width, height = tiles[0].size
     image = blank(columns * (width + EDGE) + EDGE, rows * (height + EDGE) + 2 * EDGE + SMALL)
     for place, tile in enumerate(tiles):
-        image.paste(
-            tile, (EDGE + place % columns * (width + EDGE), EDGE + place // columns * (height + EDGE))
-        )
+        image.paste(tile, (EDGE + place % columns * (width + EDGE), EDGE + place // columns * (height + EDGE)))
     room = image.width - 2 * EDGE
     write(image, EDGE, image.height - EDGE - SMALL, KEY, size=SMALL, width=room, color=FAINT)
     write_whole(path, encode_png(image))
@@ -106,9 +104,7 @@ def _tile(transfer: TransferredContact, size: int) -> Image.Image:
     write(image, EDGE, EDGE + TITLE + 5, f"{parts}   {numbers}", width=room - 120, color=FAINT)
     write(image, width - EDGE - text_width(verdict, BODY), EDGE + TITLE + 5, verdict, width=120, color=color)
 
-    sides = zip(
-        (source, target), colors_of(transfer), (match.demonstration.contact, transfer.contact), strict=True
-    )
+    sides = zip((source, target), colors_of(transfer), (match.demonstration.contact, transfer.contact), strict=True)
     for side, (obj, colors, contact) in enumerate(sides):
         x = EDGE + side * (size + EDGE)
         pixels, seen = draw_contact(obj, colors, contact, size)
@@ -125,9 +121,7 @@ def _tile(transfer: TransferredContact, size: int) -> Image.Image:
 
 def _legend(obj: PartObject, colors: Colors, width: int) -> list[list[Entry]]:
     """Return the rows of a legend, as many as there is room for; graspable parts have a star."""
-    entries = [
-        (f"{name}*" if i in obj.graspable else name, rgb(colors[i])) for i, name in enumerate(obj.part_names)
-    ]
+    entries = [(f"{name}*" if i in obj.graspable else name, rgb(colors[i])) for i, name in enumerate(obj.part_names)]
     rows = legend_rows(entries, width)
     if len(rows) > LEGEND_ROWS:
         shown = sum(len(row) for row in rows[:LEGEND_ROWS]) - 1

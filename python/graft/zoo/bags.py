@@ -94,9 +94,7 @@ def handbag(rng: Generator) -> Design:
         y = float(np.interp(fall, t, half_deep))
         parts["clasp"] = clasp.moved((0, -y - 0.003, 0.004 + height * fall + 0.016), facing((0, -1, 0)))
     else:
-        line = np.stack(
-            [np.linspace(-0.95 * mouth, 0.95 * mouth, 40), np.zeros(40), np.full(40, top)], axis=1
-        )
+        line = np.stack([np.linspace(-0.95 * mouth, 0.95 * mouth, 40), np.zeros(40), np.full(40, top)], axis=1)
         parts["zip"] = tube(line, (0, 1, 0), 0.012, 0.006, exponent=3.0)
         parts["clasp"] = clasp.moved((0.95 * mouth, 0, top), facing((0.6, 0, 1)))
     span = mouth * rng.uniform(0.42, 0.62)
@@ -125,9 +123,7 @@ def handbag(rng: Generator) -> Design:
             parts[f"handle_{name}"] = tube(path, (0, 1, 0), 0.72 * strap, strap, exponent=2.4)
             labels[f"handle_{name}"] = "handle"
         crown = path[30] + out * strap
-        return Design(
-            parts, ("handle_front", "handle_back"), Touch("handle_back", crown, out, "carry"), labels
-        )
+        return Design(parts, ("handle_front", "handle_back"), Touch("handle_back", crown, out, "carry"), labels)
     path = loop(
         (-span, 0, top - 0.004),
         (span, 0, top - 0.004),
@@ -138,9 +134,9 @@ def handbag(rng: Generator) -> Design:
     )
     parts["handle"] = tube(path, (0, 1, 0), wide, 0.8 * strap, exponent=2.4)
     for name, x in (("left", -span), ("right", span)):
-        parts[f"ring_{name}"] = lathe(
-            [(wide * 0.8, 0), (wide * 0.8, 0.006), (wide * 0.62, 0.014)], step=0.002
-        ).moved((x, 0, top - 0.003))
+        parts[f"ring_{name}"] = lathe([(wide * 0.8, 0), (wide * 0.8, 0.006), (wide * 0.62, 0.014)], step=0.002).moved(
+            (x, 0, top - 0.003)
+        )
         labels[f"ring_{name}"] = "ring"
     return Design(parts, ("handle",), Touch("handle", (0, 0, top + rise + strap), (0, 0, 1), "carry"), labels)
 
@@ -149,9 +145,7 @@ def _flap(half: float, lip: float, half_deep: Floats, t: Floats, height: float, 
     """Return a flap: from the back edge over the top and down the front by the share `over` of the height."""
     down = np.linspace(1.0, 1 - over, 24)
     front = np.stack([-np.interp(down, t, half_deep) - 0.002, 0.004 + height * down], axis=1)
-    back = np.stack(
-        [np.interp([0.9, 1.0], t, half_deep) + 0.001, 0.004 + height * np.array([0.9, 1.0])], axis=1
-    )
+    back = np.stack([np.interp([0.9, 1.0], t, half_deep) + 0.001, 0.004 + height * np.array([0.9, 1.0])], axis=1)
     over_top = np.array([(lip * 0.4, 0.004 + height + 0.004), (-lip * 0.4, 0.004 + height + 0.004)])
     line = np.vstack([back, over_top, front])
     reach = np.concatenate([np.zeros(4), np.linspace(0, 1, 24)])

@@ -8,7 +8,7 @@ from numpy.random import Generator
 from graft.objects import Floats
 from graft.zoo.curves import loop, smooth, spline, superellipse
 from graft.zoo.design import Design, Touch
-from graft.zoo.surfaces import SEGMENTS, Mesh, facing, lathe, loft, radius_at, ring, side, slab, tube
+from graft.zoo.surfaces import SEGMENTS, Mesh, facing, lathe, loft, radius_at, ring, side, slab, tube, widened
 
 
 def _ribbed(mesh: Mesh, ribs: int, depth: float) -> Mesh:
@@ -19,16 +19,14 @@ def _ribbed(mesh: Mesh, ribs: int, depth: float) -> Mesh:
         radius = np.linalg.norm(vertices[:, :2], axis=1)
         edge = radius > 0.9 * radius.max()
         scale = 1 - edge * depth * (0.5 + 0.5 * np.cos(ribs * angle)) / np.maximum(radius, depth)
-        return vertices * np.stack([scale, scale, np.ones_like(scale)], axis=1)
+        return widened(vertices, scale)
 
     return mesh.warped(groove)
 
 
 def _cap(radius: float, z: float, height: float, *, taper: float = 1.0, ribs: int = 20) -> Mesh:
     """Return a screw cap standing at height `z`."""
-    outline = side(
-        height, (radius, radius * taper), base=z, fillet=0.001, shoulder=min(0.003, height / 4), count=10
-    )
+    outline = side(height, (radius, radius * taper), base=z, fillet=0.001, shoulder=min(0.003, height / 4), count=10)
     return _ribbed(lathe(outline, section=superellipse(80)), ribs, 0.0012)
 
 
@@ -37,10 +35,10 @@ def wine_bottle(rng: Generator) -> Design:
     radius, tall = rng.uniform(0.035, 0.041), rng.uniform(0.285, 0.33)
     neck = rng.uniform(0.0135, 0.0155)
     form = rng.choice(3)
-    low, high = ((0.58, 0.665), (0.45, 0.665), (0.40, 0.70))[form]
+    low, high = ((0.545, 0.66), (0.45, 0.665), (0.40, 0.70))[form]
     low, high = low * tall, high * tall
     body = side(low, (radius, radius, radius), fillet=0.005, count=14)
-    power = (2.0, 1.25, 1.05)[form]
+    power = (1.15, 1.1, 1.0)[form]
     t = np.linspace(0, 1, 16)[1:]
     blend = 0.5 * (1 + np.cos(np.pi * t ** (1 / power)))
     shoulder = np.stack([neck + 0.0012 + (radius - neck - 0.0012) * blend, low + (high - low) * t], axis=1)
@@ -55,9 +53,7 @@ def wine_bottle(rng: Generator) -> Design:
     if rng.random() < 0.6:
         z, h = low * rng.uniform(0.22, 0.3), low * rng.uniform(0.4, 0.55)
         parts["label"] = lathe(
-            np.array(
-                [(radius - 0.001, z), (radius + 0.0005, z), (radius + 0.0005, z + h), (radius - 0.001, z + h)]
-            ),
+            np.array([(radius - 0.001, z), (radius + 0.0005, z), (radius + 0.0005, z + h), (radius - 0.001, z + h)]),
             step=0.008,
             closed=True,
         )
@@ -93,8 +89,8 @@ def detergent(rng: Generator) -> Design:
     end = (float(np.interp(lower, z, x0)) + 0.012, 0, lower * height)
     width, thick = rng.uniform(0.024, 0.032), rng.uniform(0.018, 0.024)
     chord = (np.array(end) - start) / np.linalg.norm(np.array(end) - start)
-    out = np.cross(chord, (0, 1, 0))
-    out = out if out[0] < 0 else -out
+    # Across the chord, away from the body (-x): the chord runs downwards.
+    out: Floats = np.cross((0.0, 1.0, 0.0), chord)
     path = loop(start, end, out, rng.uniform(0.012, 0.024), exponent=rng.uniform(2.2, 3.0), count=52)
     cap = rng.uniform(0.019, 0.024)
     cap_height = rng.uniform(0.030, 0.050)
@@ -115,9 +111,7 @@ def shampoo(rng: Generator) -> Design:
     flat = rng.uniform(0.62, 1.0)
     section = superellipse(SEGMENTS, 1.0, flat, rng.uniform(2.0, 3.0))
     waist, shoulder = rng.uniform(0.88, 1.04), rng.uniform(0.72, 0.95)
-    body = side(
-        height, [half * k for k in (0.96, 1.0, waist, 0.98, shoulder)], fillet=0.006, shoulder=0.012, count=24
-    )
+    body = side(height, [half * k for k in (0.96, 1.0, waist, 0.98, shoulder)], fillet=0.006, shoulder=0.012, count=24)
     shape: dict[str, Mesh] = {"body": lathe(body, section=section)}
     label = superellipse(40, half * 0.62, height * 0.27, 5.0)
     bend = rng.uniform(0.45, 0.5) * height
@@ -134,9 +128,7 @@ def shampoo(rng: Generator) -> Design:
         shape["neck"] = lathe(side(0.012, (radius * 0.8, radius * 0.8), base=height - 0.005, count=12))
         cap_height = rng.uniform(0.022, 0.034)
         oval = superellipse(SEGMENTS, 1.0, max(flat, 0.8), 2.2)
-        cap = side(
-            cap_height, (radius, radius * 0.97), base=height + 0.003, fillet=0.001, shoulder=0.004, count=12
-        )
+        cap = side(cap_height, (radius, radius * 0.97), base=height + 0.003, fillet=0.001, shoulder=0.004, count=12)
         shape["cap"] = lathe(cap, section=oval)
     else:
         radius = rng.uniform(0.013, 0.017)
@@ -166,7 +158,8 @@ def _reach(x: Floats, section: Floats) -> Floats:
     """Return how far (y > 0) the loop `section` (m, 2) reaches at each `x`."""
     upper = section[section[:, 1] >= 0]
     order = np.argsort(upper[:, 0])
-    return np.interp(x, upper[order, 0], upper[order, 1])
+    reach: Floats = np.interp(x, upper[order, 0], upper[order, 1])
+    return reach
 
 
 def spray(rng: Generator) -> Design:
@@ -175,9 +168,7 @@ def spray(rng: Generator) -> Design:
     flat, corner = rng.uniform(0.66, 1.0), rng.uniform(2.0, 3.0)
     section = superellipse(SEGMENTS, 1.0, flat, corner)
     waist = rng.uniform(0.9, 1.04)
-    body = side(
-        height, [half * k for k in (0.97, 1.0, waist, 0.97, 0.62)], fillet=0.006, shoulder=0.006, count=24
-    )
+    body = side(height, [half * k for k in (0.97, 1.0, waist, 0.97, 0.62)], fillet=0.006, shoulder=0.006, count=24)
     grip, low = rng.uniform(0.0145, 0.018), height - 0.008
     tall = rng.uniform(0.045, 0.062)
     neck = side(tall, (half * 0.62 * max(flat, 0.75), grip * 1.12, grip, grip * 1.02), base=low, count=24)
@@ -186,7 +177,7 @@ def spray(rng: Generator) -> Design:
     back, front = rng.uniform(0.022, 0.032), rng.uniform(0.038, 0.050)
     t = np.linspace(0, 1, 34)
     path = np.stack([-back + (back + front) * t, 0 * t, head - 0.004 * t], axis=1)
-    thick = spline((0.020, 0.030, 0.034, 0.026, 0.020), t)
+    thick = spline((0.024, 0.032, 0.034, 0.027, 0.022), t)
     reach = rng.uniform(0.030, 0.040)
     trigger = smooth(
         [
@@ -201,10 +192,8 @@ def spray(rng: Generator) -> Design:
         "body": lathe(body, section=section),
         "neck": lathe(neck),
         "collar": _cap(grip + 0.003, top - 0.004, 0.020),
-        "head": tube(path, (0, 1, 0), spline((0.020, 0.026, 0.026, 0.022, 0.018), t), thick, exponent=3.2),
-        "trigger": tube(
-            trigger, (0, 1, 0), np.linspace(0.014, 0.011, 32), np.linspace(0.009, 0.005, 32), exponent=2.8
-        ),
+        "head": tube(path, (0, 1, 0), spline((0.022, 0.026, 0.026, 0.024, 0.020), t), thick, exponent=4.2),
+        "trigger": tube(trigger, (0, 1, 0), np.linspace(0.014, 0.011, 32), np.linspace(0.009, 0.005, 32), exponent=2.8),
         "nozzle": lathe(
             [(0.0085, -0.003), (0.0085, 0.008), (0.0070, 0.011), (0.0035, 0.0115), (0.0030, 0.009)],
             step=0.0015,

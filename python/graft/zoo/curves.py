@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -34,7 +35,7 @@ def spaced(points: ArrayLike, step: float) -> Floats:
     """Return the polyline `points` (n, d) with segments no longer than `step`; its corners stay."""
     line = np.asarray(points, float)
     pieces = [line[:1]]
-    for a, b in zip(line[:-1], line[1:], strict=True):
+    for a, b in itertools.pairwise(line):
         count = max(1, int(np.ceil(np.linalg.norm(b - a) / step)))
         pieces.append(a + (b - a) * np.linspace(0.0, 1.0, count + 1)[1:, None])
     return np.vstack(pieces)
@@ -53,9 +54,7 @@ def spline(values: ArrayLike, at: ArrayLike, *, closed: bool = False) -> Floats:
         first, last = 2 * knots[0] - knots[1], 2 * knots[-1] - knots[-2]
         padded = np.concatenate([first[None], knots, last[None]])
         a, b, c, d = (padded[left + k] for k in range(4))
-    curve: Floats = 0.5 * (
-        2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3
-    )
+    curve: Floats = 0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - a - 3 * c + d) * t**3)
     return curve
 
 
@@ -67,7 +66,7 @@ def smooth(points: ArrayLike, count: int, *, closed: bool = False) -> Floats:
 
 
 def rounded(points: ArrayLike, radius: float | Sequence[float], *, closed: bool = False) -> Floats:
-    """Return the polyline `points` (n, d) with its corners replaced by arcs that start `radius` before them."""
+    """Return the polyline `points` (n, d) with its corners rounded from `radius` before them on."""
     line = np.asarray(points, float)
     n = len(line)
     radii = np.broadcast_to(np.asarray(radius, float), n)
@@ -112,7 +111,7 @@ def loop(
     skew: float = 0.0,
     count: int = 44,
 ) -> Floats:
-    """Return (count, 3) points of a handle's centre line from `start` to `end`, bulging along `out` by `depth`.
+    """Return (count, 3) points of a handle's centre line from `start` to `end`, bulging by `depth`.
 
     Args:
         start: (3,) first end.

@@ -13,20 +13,20 @@ from graft.zoo.surfaces import Mesh
 
 UP = (0.0, 0.0, 1.0)
 
-SIDE_OF_A_FACE = 0.8
-"""Cosine between a face's normal and the wanted direction above which the face counts as on the wanted side."""
+SIDE_OF_A_FACE = 0.9
+"""Least cosine between a face's normal and the wanted side's direction."""
 
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """Where a person takes an object: the face of `part` nearest to `near` (3,) that looks along `outward` (3,).
+    """Where a person takes an object: the face of `part` nearest to `near` that looks along `outward`.
 
     The gripper comes against `outward`.
     """
 
     part: str
-    near: ArrayLike
-    outward: ArrayLike
+    near: Floats | tuple[float, float, float]
+    outward: Floats | tuple[float, float, float]
     task: str
 
 
@@ -73,7 +73,7 @@ class Design:
         """Return the variant with its demonstrated contact."""
         obj = self.object(name, category)
         contact = contact_on(
-            obj, obj.part_index(self.touch.part), self.touch.near + self.drop, self.touch.outward
+            obj, obj.part_index(self.touch.part), np.asarray(self.touch.near) + self.drop, self.touch.outward
         )
         return Demonstration(obj, contact, metadata={"task": self.touch.task, "source": "graft.zoo"})
 
@@ -97,10 +97,8 @@ def contact_on(obj: PartObject, part: int, near: ArrayLike, outward: ArrayLike) 
     away = np.asarray(outward, float) / np.linalg.norm(outward)
     looks = normals @ away > SIDE_OF_A_FACE * areas
     if not looks.any():
-        raise InputError(
-            f"object {obj.name!r} part {mesh.name!r}: no face looks along {away.round(3).tolist()}"
-        )
+        raise InputError(f"object {obj.name!r} part {mesh.name!r}: no face looks along {away.round(3).tolist()}")
     candidates = np.flatnonzero(looks & (areas > 0))
     distance = np.linalg.norm(corners[candidates].mean(axis=1) - np.asarray(near, float), axis=1)
     face = candidates[int(np.argmin(distance))]
-    return Contact(corners[face].mean(axis=0), normals[face], part, -away)
+    return Contact(corners[face].mean(axis=0), normals[face] / areas[face], part, -away)

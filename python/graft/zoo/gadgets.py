@@ -31,7 +31,8 @@ def phone(rng: Generator) -> Design:
     hand = rng.choice([-1.0, 1.0])
     side_on = np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]])
     other = np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]])
-    power_at = length * rng.uniform(0.12, 0.2)
+    power_at = length * rng.uniform(0.08, 0.14)
+    volume_at = min(power_at + 0.026, length / 2 - 0.028)
     corner_at = (
         length / 2 - 0.007 - block * 0.65,
         (width / 2 - 0.007 - block / 2) * rng.choice([-1.0, 1.0]),
@@ -51,9 +52,7 @@ def phone(rng: Generator) -> Design:
         "screen": slab(screen, 0.0012 + PROUD, 0.0002).moved((0, 0, thick - 0.0012)),
         "camera": bump,
         "power_button": on_edge(button, power_at, hand),
-        "volume_button": on_edge(
-            rocker, length * 0.24 if not same else power_at - 0.03, hand if same else -hand
-        ),
+        "volume_button": on_edge(rocker, volume_at, hand if same else -hand),
     }
     labels = {"power_button": "button", "volume_button": "button"}
     if home:
@@ -78,30 +77,29 @@ def remote(rng: Generator) -> Design:
         z = vertices[:, 2] - arch * x**2 * 0.5
         return np.stack([vertices[:, 0], y, z], axis=1)
 
-    case = slab(
-        rectangle(140, length, width, corner), thick, thick * rng.uniform(0.22, 0.42), top=thick * 0.2
-    )
+    case = slab(rectangle(140, length, width, corner), thick, thick * rng.uniform(0.22, 0.42), top=thick * 0.2)
     top = thick - 0.0016
     columns, rows = (3, int(rng.integers(3, 5)))
     pitch = min(0.0125, 0.78 * width / columns)
     key_size = pitch * rng.uniform(0.62, 0.75)
     round_keys = bool(rng.random() < 0.5)
     outline = (
-        superellipse(20, key_size / 2, key_size / 2)
-        if round_keys
-        else rectangle(20, key_size, 0.75 * key_size, 0.0015)
+        superellipse(16, key_size / 2, key_size / 2) if round_keys else rectangle(16, key_size, 0.75 * key_size, 0.0015)
     )
     start = -length * rng.uniform(0.36, 0.40)
-    keys = [
-        slab(outline, 0.0036, 0.001).moved((start + i * pitch, (j - 1) * pitch, top))
-        for i in range(rows)
-        for j in range(columns)
-    ]
-    dpad_at = length * rng.uniform(0.10, 0.17)
+    key = slab(outline, 0.0036, 0.001)
+    keys = [key.moved((start + i * pitch, (j - 1) * pitch, top)) for i in range(rows) for j in range(columns)]
+    dpad_at = length * rng.uniform(0.13, 0.19)
+    keys_end = start + (rows - 1) * pitch + key_size / 2
+    rocker_at = (keys_end + dpad_at - min(0.36 * width, 0.017)) / 2
+    rocker = rectangle(40, min(0.020, 0.7 * (dpad_at - 0.017 - keys_end)), 0.26 * width, 0.003)
     dpad = min(0.36 * width, 0.017)
     parts = {
         "body": case,
         "keypad": merged(*keys),
+        "rockers": merged(
+            *(slab(rocker, 0.0034, 0.001).moved((rocker_at, y, top)) for y in (-0.24 * width, 0.24 * width))
+        ),
         "dpad": merged(
             ring(dpad * 0.76, thick + 0.0002, dpad * 0.46, 0.0036).moved((dpad_at, 0, 0)),
             lathe(

@@ -18,6 +18,7 @@ from graft.zoo.surfaces import (
     side,
     tube,
     vessel,
+    widened,
 )
 
 SINK = 0.6
@@ -38,13 +39,14 @@ def water_bucket(rng: Generator) -> Design:
     }
     z = height - rng.uniform(0.018, 0.03)
     x = radius_at(body, z)
-    ear = lathe([(0.015, -0.002), (0.015, 0.007), (0.011, 0.010), (0.008, 0.014)], step=0.003)
-    parts["ear_left"] = ear.moved((-x, 0, z), facing((-1, 0, 0)))
-    parts["ear_right"] = ear.moved((x, 0, z), facing((1, 0, 0)))
+    lean = (radius_at(body, z + 0.01) - radius_at(body, z - 0.01)) / 0.02
+    ear = lathe([(0.015, -0.001), (0.015, 0.007), (0.011, 0.010), (0.008, 0.014)], step=0.003)
+    parts["ear_left"] = ear.moved((-x, 0, z), facing((-1, 0, -lean)))
+    parts["ear_right"] = ear.moved((x, 0, z), facing((1, 0, -lean)))
     has_grip = bool(rng.random() < 0.6)
     wire = rng.uniform(0.004, 0.006) if has_grip else rng.uniform(0.009, 0.013)
-    lean = rng.uniform(0.0, 0.35)
-    out = np.array([0.0, np.sin(lean), np.cos(lean)])
+    fall = rng.uniform(0.0, 0.35)
+    out = np.array([0.0, np.sin(fall), np.cos(fall)])
     depth = (x + 0.01) * rng.uniform(0.85, 1.15)
     hinge = x + 0.010
     bail = loop((-hinge, 0, z), (hinge, 0, z), out, depth, exponent=rng.uniform(1.9, 2.5), count=60)
@@ -70,9 +72,7 @@ def mug(rng: Generator) -> Design:
     waist = rng.uniform(-0.08, 0.10)
     taper = rng.uniform(0.86, 1.0)
     wall = rng.uniform(0.003, 0.0045)
-    body = side(
-        height, (radius * taper, radius * (1 + waist), radius), base=0.003, fillet=rng.uniform(0.004, 0.012)
-    )
+    body = side(height, (radius * taper, radius * (1 + waist), radius), base=0.003, fillet=rng.uniform(0.004, 0.012))
     top, low = height * rng.uniform(0.76, 0.9), height * rng.uniform(0.16, 0.34)
     start = (radius_at(body, top) - SINK * wall, 0, top)
     end = (radius_at(body, low) - SINK * wall, 0, low)
@@ -96,7 +96,7 @@ def mug(rng: Generator) -> Design:
     if rng.random() < 0.4:
         parts["rim"] = ring(radius_at(body, height) - wall / 2, height + 0.003, wall * 1.7, wall * 1.5)
     grip = path[int(np.argmax(path[:, 0]))]
-    return Design(parts, ("handle",), Touch("handle", grip + [thick, 0, 0], (1, 0, 0), "drink"))
+    return Design(parts, ("handle",), Touch("handle", grip + np.array((thick, 0, 0)), (1, 0, 0), "drink"))
 
 
 def jug(rng: Generator) -> Design:
@@ -122,9 +122,7 @@ def jug(rng: Generator) -> Design:
     start = (SINK * wall - radius_at(body, top), 0, top)
     end = (SINK * wall - radius_at(body, low), 0, low)
     depth = rng.uniform(0.045, 0.06)
-    path = loop(
-        start, end, (-1, 0, 0), depth, exponent=rng.uniform(2.0, 3.0), skew=rng.uniform(0.0, 0.35), count=56
-    )
+    path = loop(start, end, (-1, 0, 0), depth, exponent=rng.uniform(2.0, 3.0), skew=rng.uniform(0.0, 0.35), count=56)
     width, thick = rng.uniform(0.018, 0.026), rng.uniform(0.010, 0.016)
     parts = {
         "body": vessel(body, wall, 0.006).warped(draw_lip),
@@ -138,11 +136,11 @@ def jug(rng: Generator) -> Design:
         band = height * rng.uniform(0.45, 0.6)
         parts["band"] = ring(radius_at(body, band), band, 0.005, rng.uniform(0.006, 0.012))
     grip = path[int(np.argmin(path[:, 0]))]
-    return Design(parts, ("handle",), Touch("handle", grip - [thick, 0, 0], (-1, 0, 0), "pour"))
+    return Design(parts, ("handle",), Touch("handle", grip - np.array((thick, 0, 0)), (-1, 0, 0), "pour"))
 
 
 def pan(rng: Generator) -> Design:
-    """Return a frying pan or a saucepan with a long handle, a bracket and a hanging ring or a helper handle."""
+    """Return a frying pan or a saucepan with a long handle, a bracket and a hanging ring."""
     radius = rng.uniform(0.10, 0.14)
     deep = bool(rng.random() < 0.4)
     radius = radius * 0.72 if deep else radius
@@ -160,7 +158,7 @@ def pan(rng: Generator) -> Design:
     bracket = np.stack(
         [np.linspace(x - SINK * wall, x + 0.036, 16), np.zeros(16), z + 0.008 * np.linspace(0, 1, 16)], 1
     )
-    hang = path[-1] + [0.011, 0, 0]
+    hang = path[-1] + np.array((0.011, 0, 0))
     angle = np.linspace(0, 2 * np.pi, 32, endpoint=False)
     eye = hang + 0.010 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     parts = {
@@ -174,11 +172,9 @@ def pan(rng: Generator) -> Design:
         "hanging_ring": tube(eye, (0, 0, 1), 0.005, 0.0045, closed=True),
     }
     if rng.random() < 0.45:
-        short = loop(
-            (SINK * wall - x, -0.035, z), (SINK * wall - x, 0.035, z), (-1, 0, 0.0), 0.035, exponent=2.8
-        )
+        short = loop((SINK * wall - x, -0.035, z), (SINK * wall - x, 0.035, z), (-1, 0, 0.0), 0.035, exponent=2.8)
         parts["helper_handle"] = tube(short, (0, 0, 1), 0.009, 0.011)
-    middle = path[22] + [0, 0, 0.02]
+    middle = path[22] + np.array((0, 0, 0.02))
     labels = {"helper_handle": "handle"} if "helper_handle" in parts else {}
     return Design(parts, ("handle",), Touch("handle", middle, (0, 0, 1), "lift"), labels)
 
@@ -188,9 +184,7 @@ def basket(rng: Generator) -> Design:
     height, length = rng.uniform(0.13, 0.18), rng.uniform(0.13, 0.18)
     squeeze, corner = rng.uniform(0.68, 1.0), rng.uniform(2.0, 3.2)
     section = superellipse(56, 1.0, squeeze, corner)
-    body = side(
-        height, (0.78 * length, rng.uniform(0.9, 1.0) * length, length), base=0.004, fillet=0.012, count=21
-    )
+    body = side(height, (0.78 * length, rng.uniform(0.9, 1.0) * length, length), base=0.004, fillet=0.012, count=21)
     strands, rows = 28, 11
 
     def weave(vertices: Floats) -> Floats:
@@ -198,7 +192,7 @@ def basket(rng: Generator) -> Design:
         depth = 0.0016 * np.cos(strands / 2 * angle) * np.sin(2 * np.pi * rows / 2 * vertices[:, 2] / height)
         off_floor = vertices[:, 2] > 0.02
         scale = 1 + depth * off_floor / length
-        return vertices * np.stack([scale, scale, np.ones_like(scale)], axis=1)
+        return widened(vertices, scale)
 
     low = radius_at(body, 0.006)
     parts: dict[str, Mesh] = {

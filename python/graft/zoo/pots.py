@@ -25,9 +25,7 @@ def _knob(radius: float, z: float, tall: float) -> Mesh:
     """Return a lid's knob: a stem and a flattened ball, its foot at height `z`."""
     t = np.linspace(-0.9, 1.35, 12)
     ball = np.stack([radius * np.cos(t), z + tall - radius * 0.75 + 0.75 * radius * np.sin(t)], axis=1)
-    return lathe(
-        np.vstack([[(radius * 0.6, z - 0.002), (radius * 0.45, z + 0.25 * tall)], ball]), step=0.0025
-    )
+    return lathe(np.vstack([[(radius * 0.6, z - 0.002), (radius * 0.45, z + 0.25 * tall)], ball]), step=0.0025)
 
 
 def _spout(points: Floats, wide: float, narrow: float) -> Mesh:
@@ -48,15 +46,13 @@ def teapot(rng: Generator) -> Design:
     """Return a teapot: belly, lid, knob, curved spout, foot, and an ear at the side or a bail on top."""
     radius, height = rng.uniform(0.062, 0.082), rng.uniform(0.095, 0.125)
     low, mid, high, mouth = rng.uniform(0.86, 0.97), 1.0, rng.uniform(0.78, 0.93), rng.uniform(0.42, 0.54)
-    body = side(
-        height, [radius * k for k in (0.6, low, mid, high, mouth)], base=0.005, fillet=0.006, count=26
-    )
+    body = side(height, [radius * k for k in (0.6, low, mid, high, mouth)], base=0.005, fillet=0.006, count=26)
     top = body[-1, 1]
     opening = radius * mouth
     rise = opening * rng.uniform(0.28, 0.5)
     knob = rng.uniform(0.009, 0.013)
     tip = radius + rng.uniform(0.055, 0.075)
-    root = height * rng.uniform(0.3, 0.45)
+    root = height * rng.uniform(0.40, 0.52)
     bend = rng.uniform(0.40, 0.58)
     mouth_z = height * rng.uniform(0.98, 1.12)
     spout = np.array(
@@ -87,7 +83,7 @@ def teapot(rng: Generator) -> Design:
         )
         parts["handle"] = tube(path, (0, 1, 0), width, thick, exponent=2.3)
         grip = path[int(np.argmin(path[:, 0]))]
-        touch = Touch("handle", grip - [thick, 0, 0], (-1, 0, 0), "pour")
+        touch = Touch("handle", grip - np.array((thick, 0, 0)), (-1, 0, 0), "pour")
     else:
         z = height * 0.86
         reach = radius_at(body, z) - SINK
@@ -99,7 +95,7 @@ def teapot(rng: Generator) -> Design:
 
 
 def kettle(rng: Generator) -> Design:
-    """Return a kettle: a stove kettle with a bail, or an electric one with a D handle, a base and a switch."""
+    """Return a kettle: a stove kettle with a bail, or an electric one with a D handle."""
     return _electric_kettle(rng) if rng.random() < 0.5 else _stove_kettle(rng)
 
 
@@ -195,17 +191,15 @@ def _electric_kettle(rng: Generator) -> Design:
         ),
         "switch": tube(switch, (0, 1, 0), 0.013, 0.009, exponent=3),
     }
-    return Design(parts, ("handle",), Touch("handle", grip - [thick, 0, 0], (-1, 0, 0), "pour"))
+    return Design(parts, ("handle",), Touch("handle", grip - np.array((thick, 0, 0)), (-1, 0, 0), "pour"))
 
 
 def watering_can(rng: Generator) -> Design:
-    """Return a watering can: body, collar, long spout with a rose, a brace, and a handle over the top or behind."""
+    """Return a watering can with a long spout and a rose, its handle over the top or behind."""
     radius, height = rng.uniform(0.075, 0.095), rng.uniform(0.15, 0.20)
     taper = rng.uniform(0.86, 1.0)
     wall = 0.003
-    outline = side(
-        height, (radius, radius * (1 + taper) / 2 * rng.uniform(1.0, 1.04), radius * taper), fillet=0.008
-    )
+    outline = side(height, (radius, radius * (1 + taper) / 2 * rng.uniform(1.0, 1.04), radius * taper), fillet=0.008)
     reach, rise = rng.uniform(0.16, 0.22), rng.uniform(0.95, 1.15) * height
     root = height * rng.uniform(0.16, 0.28)
     x = radius_at(outline, root)
@@ -257,7 +251,7 @@ def watering_can(rng: Generator) -> Design:
         ]
         path = smooth(line, 64)
         crown = path[int(np.argmax(path[:, 2]))]
-        touch = Touch("handle", crown + [0, 0, thick], (0, 0, 1), "pour")
+        touch = Touch("handle", crown + np.array((0, 0, thick)), (0, 0, 1), "pour")
     else:
         path = loop(
             (0.002 - radius_at(outline, 0.9 * height), 0, 0.9 * height),
@@ -269,7 +263,7 @@ def watering_can(rng: Generator) -> Design:
             count=56,
         )
         grip = path[int(np.argmin(path[:, 0]))]
-        touch = Touch("handle", grip - [thick, 0, 0], (-1, 0, 0), "pour")
+        touch = Touch("handle", grip - np.array((thick, 0, 0)), (-1, 0, 0), "pour")
     parts["handle"] = tube(path, (0, 1, 0), width, thick, exponent=2.4)
     if behind:
         parts["handle"] = seated(parts["handle"], outline, 0.002)

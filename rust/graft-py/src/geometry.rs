@@ -45,11 +45,7 @@ pub fn boxes(
         .into_iter()
         .zip(half)
         .zip(turned.chunks_exact(9))
-        .map(|((center, h), m)| OrientedBox {
-            center,
-            axes: [0, 1, 2].map(|k| column(m, k)),
-            half_extents: h.into(),
-        })
+        .map(|((center, h), m)| OrientedBox { center, axes: [0, 1, 2].map(|k| column(m, k)), half_extents: h.into() })
         .collect())
 }
 
@@ -143,9 +139,8 @@ pub fn part_geometry<'py>(
     let (found, diagonal) = py.detach(|| geometry::object_geometry(&parts, samples, seed));
     let n = found.len();
     let bounds: Vec<OrientedBox> = found.iter().map(|p| p.frame.bounds).collect();
-    let scalars = |value: fn(&geometry::PartGeometry) -> f64| {
-        found.iter().map(value).collect::<Array1<f64>>().into_pyarray(py)
-    };
+    let scalars =
+        |value: fn(&geometry::PartGeometry) -> f64| found.iter().map(value).collect::<Array1<f64>>().into_pyarray(py);
     let flags: Array1<u8> = found
         .iter()
         .map(|p| u8::from(p.degenerate) | u8::from(p.frame.flat) << 1 | u8::from(p.frame.symmetric) << 2)

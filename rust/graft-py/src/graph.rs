@@ -9,8 +9,8 @@ use crate::convert::{finite, slice, to_py};
 use crate::geometry::boxes;
 
 fn square<'py, T: numpy::Element>(py: Python<'py>, n: usize, data: Vec<T>) -> PyResult<Bound<'py, PyArray2<T>>> {
-    let table = Array2::from_shape_vec((n, n), data)
-        .map_err(|e| to_py(&Error::shape("table", format!("({n}, {n})"), e)))?;
+    let table =
+        Array2::from_shape_vec((n, n), data).map_err(|e| to_py(&Error::shape("table", format!("({n}, {n})"), e)))?;
     Ok(table.into_pyarray(py))
 }
 

@@ -1,11 +1,11 @@
 //! The Python border of graft-core: declares, converts, calls. No computing here.
 
 mod convert;
+mod descriptor;
 mod geometry;
 mod graph;
-mod descriptor;
-mod transport;
 mod render;
+mod transport;
 
 /// The compiled core of graft.
 #[pyo3::pymodule]
@@ -16,13 +16,13 @@ mod _core {
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
     #[pymodule_export]
-    use crate::geometry::{convex_hull, oriented_box, part_geometry};
-    #[pymodule_export]
-    use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops};
-    #[pymodule_export]
     use super::descriptor::{describe_parts, descriptor_dim};
+    #[pymodule_export]
+    use super::render::{cast_rays, render_scene};
     #[pymodule_export]
     use super::transport::{feature_costs, ufgw_batch};
     #[pymodule_export]
-    use super::render::{cast_rays, render_scene};
+    use crate::geometry::{convex_hull, oriented_box, part_geometry};
+    #[pymodule_export]
+    use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops};
 }

@@ -55,8 +55,8 @@ pub fn render_scene<'py>(
     };
     let view = Camera { matrix, width, height };
     let pixels = py.detach(|| render::render(&scene, &view)).map_err(|error| to_py(&error))?;
-    let picture = Array3::from_shape_vec((height, width, 4), pixels)
-        .map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let picture =
+        Array3::from_shape_vec((height, width, 4), pixels).map_err(|error| PyValueError::new_err(error.to_string()))?;
     Ok(picture.into_pyarray(py))
 }
 
@@ -76,8 +76,7 @@ pub fn cast_rays<'py>(
     columns("directions", &directions, 3)?;
     let (vertices, faces) = (finite("vertices", &vertices)?, slice("faces", &faces)?);
     let (origins, directions) = (finite("origins", &origins)?, finite("directions", &directions)?);
-    let distances = py
-        .detach(|| render::cast_rays(vertices, faces, origins, directions))
-        .map_err(|error| to_py(&error))?;
+    let distances =
+        py.detach(|| render::cast_rays(vertices, faces, origins, directions)).map_err(|error| to_py(&error))?;
     Ok(Array1::from_vec(distances).into_pyarray(py))
 }

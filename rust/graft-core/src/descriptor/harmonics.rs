@@ -3,7 +3,6 @@
 //! The energy of each degree on each shell does not change under rotation or mirroring.
 
 use super::surface::Surface;
-use std::f64::consts::PI;
 
 /// Middles of the shells, in root-mean-square radii; each sample is shared linearly between its two nearest.
 const SHELLS: [f64; 5] = [0.3, 0.65, 1.0, 1.35, 1.7];
@@ -18,9 +17,10 @@ const ORDERS: usize = (DEGREE + 1) * (DEGREE + 1);
 pub fn harmonics(surface: &Surface) -> Vec<f64> {
     let mut sums = [[0.0; ORDERS]; SHELLS.len()];
     let n = surface.samples.len() as f64;
+    let norms = norms();
     for point in &surface.samples {
         let radius = point.norm();
-        let values = basis(if radius > 0.0 { *point / radius } else { nalgebra::Vector3::z() });
+        let values = basis(if radius > 0.0 { *point / radius } else { nalgebra::Vector3::z() }, &norms);
         let at = ((radius - SHELLS[0]) / (SHELLS[1] - SHELLS[0])).clamp(0.0, SHELLS.len() as f64 - 1.0);
         let inner = (at as usize).min(SHELLS.len() - 2);
         let share = at - inner as f64;
@@ -37,7 +37,7 @@ pub fn harmonics(surface: &Surface) -> Vec<f64> {
 }
 
 /// Real spherical harmonics times sqrt(4 pi) up to `DEGREE` at a unit vector; degree l fills l^2 .. (l + 1)^2.
-fn basis(unit: nalgebra::Vector3<f64>) -> [f64; ORDERS] {
+fn basis(unit: nalgebra::Vector3<f64>, norms: &[[f64; DEGREE + 1]; DEGREE + 1]) -> [f64; ORDERS] {
     let mut result = [0.0; ORDERS];
     let (x, y, z) = (unit.x, unit.y, unit.z);
     // (x + i y)^m carries the sine of the polar angle, so the Legendre factors below have none.
@@ -45,7 +45,7 @@ fn basis(unit: nalgebra::Vector3<f64>) -> [f64; ORDERS] {
     for m in 0..=DEGREE {
         let (mut before, mut legendre) = (0.0, diagonal);
         for l in m..=DEGREE {
-            let norm = (norm_squared(l, m) * 4.0 * PI).sqrt();
+            let norm = norms[l][m];
             if m == 0 {
                 result[l * l] = norm * legendre;
             } else {
@@ -61,8 +61,12 @@ fn basis(unit: nalgebra::Vector3<f64>) -> [f64; ORDERS] {
     result
 }
 
-/// (2l + 1) / 4 pi (l - m)! / (l + m)!, doubled for m > 0.
-fn norm_squared(l: usize, m: usize) -> f64 {
-    let ratio: f64 = ((l - m + 1)..=(l + m)).map(|k| k as f64).product();
-    (2 * l + 1) as f64 / (4.0 * PI) / ratio * if m > 0 { 2.0 } else { 1.0 }
+/// Root of (2l + 1) (l - m)! / (l + m)!, doubled for m > 0.
+fn norms() -> [[f64; DEGREE + 1]; DEGREE + 1] {
+    std::array::from_fn(|l| {
+        std::array::from_fn(|m| {
+            let ratio: f64 = (l + 1 - m.min(l)..=l + m).map(|k| k as f64).product();
+            ((2 * l + 1) as f64 / ratio * if m > 0 { 2.0 } else { 1.0 }).sqrt()
+        })
+    })
 }

@@ -77,11 +77,7 @@ impl Hull {
 
     /// How far a point lies below the hull's surface; 0 outside.
     pub fn depth(&self, point: &Point) -> f64 {
-        self.planes
-            .iter()
-            .map(|(normal, offset)| offset - normal.dot(point))
-            .fold(f64::INFINITY, f64::min)
-            .max(0.0)
+        self.planes.iter().map(|(normal, offset)| offset - normal.dot(point)).fold(f64::INFINITY, f64::min).max(0.0)
     }
 }
 
@@ -99,8 +95,7 @@ fn thin(points: &[Point]) -> Vec<Point> {
         }
         let cell = |x: f64| (((x / length + 1.0) * 0.5 * CELLS as f64) as usize).min(CELLS - 1);
         let side = 2 * axis + usize::from(point[axis] < 0.0);
-        let slot =
-            &mut farthest[(side * CELLS + cell(point[(axis + 1) % 3])) * CELLS + cell(point[(axis + 2) % 3])];
+        let slot = &mut farthest[(side * CELLS + cell(point[(axis + 1) % 3])) * CELLS + cell(point[(axis + 2) % 3])];
         if slot.is_none_or(|kept| kept.norm_squared() < point.norm_squared()) {
             *slot = Some(*point);
         }
@@ -137,26 +132,32 @@ fn directions() -> impl Iterator<Item = Point> {
     })
 }
 
+/// A facet while the hull grows: corners, outward unit normal, offset.
+type Facet = ([usize; 3], Point, f64);
+
 /// Incremental hull (a few hundred points at most): facets as corner indices, outward. Never empty for a solid set.
 fn incremental(points: &[Point]) -> Vec<[usize; 3]> {
-    let Some(mut facets) = first_tetrahedron(points) else { return Vec::new() };
-    let height = |f: &[usize; 3], p: &Point| {
-        let normal = (points[f[1]] - points[f[0]]).cross(&(points[f[2]] - points[f[0]]));
-        normal.dot(&(p - points[f[0]])) / normal.norm().max(f64::MIN_POSITIVE)
+    let facet = |corners: [usize; 3]| -> Facet {
+        let [a, b, c] = corners.map(|i| points[i]);
+        let normal = (b - a).cross(&(c - a));
+        let unit = normal / normal.norm().max(f64::MIN_POSITIVE);
+        (corners, unit, unit.dot(&a))
     };
+    let mut facets: Vec<Facet> = first_tetrahedron(points).into_iter().flatten().map(facet).collect();
+    let mut edges = Vec::new();
     for (i, point) in points.iter().enumerate() {
-        let (seen, mut rest): (Vec<_>, Vec<_>) =
-            facets.into_iter().partition(|f| height(f, point) > ON_FACET);
-        let edges: Vec<(usize, usize)> =
-            seen.iter().flat_map(|f| [(f[0], f[1]), (f[1], f[2]), (f[2], f[0])]).collect();
-        for &(a, b) in &edges {
-            if !edges.contains(&(b, a)) {
-                rest.push([a, b, i]);
+        edges.clear();
+        facets.retain(|(f, normal, offset)| {
+            let seen = normal.dot(point) > offset + ON_FACET;
+            if seen {
+                edges.extend([(f[0], f[1]), (f[1], f[2]), (f[2], f[0])]);
             }
-        }
-        facets = rest;
+            !seen
+        });
+        let rim = edges.iter().filter(|&&(a, b)| !edges.contains(&(b, a)));
+        facets.extend(rim.map(|&(a, b)| facet([a, b, i])));
     }
-    facets
+    facets.into_iter().map(|(corners, ..)| corners).collect()
 }
 
 /// Four corners far apart.

@@ -6,6 +6,7 @@
 mod constants;
 mod curve;
 mod distributions;
+mod graph;
 mod harmonics;
 mod hull;
 mod moments;
@@ -144,11 +145,7 @@ impl<'a> Parts<'a> {
         for (i, (vertices, faces)) in vertices.into_iter().zip(faces).enumerate() {
             let (vertices, faces) = (&self.vertices[vertices], &self.faces[faces]);
             if vertices.is_empty() {
-                return Err(Error::shape(
-                    "vertex_offsets",
-                    "at least one vertex a part",
-                    format!("none in part {i}"),
-                ));
+                return Err(Error::shape("vertex_offsets", "at least one vertex a part", format!("none in part {i}")));
             }
             if vertices.iter().flatten().any(|x| !x.is_finite()) {
                 return Err(Error::value("vertices", "finite numbers", format!("others in part {i}")));

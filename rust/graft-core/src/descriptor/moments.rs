@@ -19,15 +19,14 @@ pub fn hull(surface: &Surface) -> Vec<f64> {
         .map(|k| {
             let axis = axes.column(k).into_owned();
             let along = hull.facets.iter().flatten().map(|p| axis.dot(p));
-            let (low, high) =
-                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             (high - low).max(SMALL)
         })
         .collect();
     let box_volume: f64 = extents.iter().product();
     let size = deviations.iter().map(|s| s * s).sum::<f64>().sqrt();
     let depths = {
-        let mut depths: Vec<f64> = surface.samples.iter().map(|p| hull.depth(p)).collect();
+        let mut depths: Vec<f64> = surface.few.iter().map(|p| hull.depth(p)).collect();
         depths.sort_by(f64::total_cmp);
         depths
     };

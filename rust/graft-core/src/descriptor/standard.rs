@@ -22,8 +22,8 @@ const BEND: f64 = 1.5;
 fn weight(family: Family) -> f64 {
     match family {
         Family::Curve => 4.0,
-        Family::Hull | Family::Inertia | Family::Distributions => 1.0,
-        Family::Harmonics => 0.25,
+        Family::Hull => 0.5,
+        Family::Inertia | Family::Distributions | Family::Harmonics => 0.25,
     }
 }
 

@@ -12,8 +12,8 @@ pub type Point = Vector3<f64>;
 const POINT_EXTENT: f64 = 1e-12;
 /// Principal standard deviations are at least this share of the largest: flat and straight parts get a thickness.
 pub const FLOOR: f64 = 1e-3;
-/// Additive steps of the two-dimensional golden-ratio sequence (plastic number, Roberts 2018).
-const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+/// Points in the smaller sample: nearest neighbours and depths of more would dominate the cost.
+const FEW: usize = 512;
 
 /// A part in its own frame.
 pub struct Surface {
@@ -27,6 +27,8 @@ pub struct Surface {
     pub deviations: [f64; 3],
     /// Points spread evenly over the surface (for clouds: points of the cloud).
     pub samples: Vec<Point>,
+    /// A smaller, independent sample for what costs the square of its size.
+    pub few: Vec<Point>,
 }
 
 impl Surface {
@@ -55,8 +57,7 @@ impl Surface {
             .iter()
             .map(|&[a, b, c]| 0.5 * (vertices[b] - vertices[a]).cross(&(vertices[c] - vertices[a])).norm())
             .collect();
-        let (faces, areas): (Vec<_>, Vec<_>) =
-            faces.into_iter().zip(areas).filter(|&(_, area)| area > 0.0).unzip();
+        let (faces, areas): (Vec<_>, Vec<_>) = faces.into_iter().zip(areas).filter(|&(_, area)| area > 0.0).unzip();
 
         let (centre, covariance) = moments(&vertices, &faces, &areas);
         let (axes, deviations) = principal(&covariance);
@@ -65,8 +66,11 @@ impl Surface {
             *vertex = axes.transpose() * (*vertex - centre) / radius;
         }
         let areas = areas.iter().map(|area| area / (radius * radius)).collect::<Vec<_>>();
-        let samples = sample(&vertices, &faces, &areas, n_samples, seed);
-        Some(Self { vertices, faces, areas, deviations: deviations.map(|s| s / radius), samples })
+        let mut random = Pcg64::seed_from_u64(seed);
+        let samples = sample(&vertices, &faces, &areas, n_samples, &mut random);
+        let few = sample(&vertices, &faces, &areas, n_samples.min(FEW), &mut random);
+        let deviations = deviations.map(|s| s / radius);
+        Some(Self { vertices, faces, areas, deviations, samples, few })
     }
 }
 
@@ -101,8 +105,7 @@ fn moments(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64]) -> (Point, M
         let sum = a + b + c;
         total += area;
         first += sum * (area / 3.0);
-        second += (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose())
-            * (area / 12.0);
+        second += (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose()) * (area / 12.0);
     }
     if faces.is_empty() {
         for v in vertices {
@@ -125,31 +128,34 @@ pub fn principal(covariance: &Matrix3<f64>) -> (Matrix3<f64>, [f64; 3]) {
     (axes, deviations.map(|s| s.max(FLOOR * deviations[0])))
 }
 
-/// Systematic sampling by area in face order: neighbouring faces share samples evenly, so the noise is small.
-fn sample(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64], n: usize, seed: u64) -> Vec<Point> {
-    let mut random = Pcg64::seed_from_u64(seed);
-    let shifts: [f64; 3] = random.random();
+/// Stratified sampling by area in face order: one point in each of `n` equal shares of the area.
+///
+/// Neighbouring faces share points evenly, so the noise is small; the place within a share is random, so that no
+/// regular order of the faces can fall into step with the shares.
+fn sample(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64], n: usize, random: &mut Pcg64) -> Vec<Point> {
     if faces.is_empty() {
         let step = vertices.len() as f64 / n as f64;
-        return if step <= 1.0 {
-            vertices.to_vec()
-        } else {
-            (0..n).map(|i| vertices[((i as f64 + shifts[0]) * step) as usize % vertices.len()]).collect()
-        };
+        if step <= 1.0 {
+            return vertices.to_vec();
+        }
+        let at = |i: usize, shift: f64| ((i as f64 + shift) * step) as usize;
+        return (0..n).map(|i| vertices[at(i, random.random()).min(vertices.len() - 1)]).collect();
     }
     let total: f64 = areas.iter().sum();
-    let mut samples = Vec::with_capacity(n);
-    let mut passed = 0.0;
-    for (&[a, b, c], area) in faces.iter().zip(areas) {
-        passed += area / total * n as f64;
-        while samples.len() < n && samples.len() as f64 + shifts[0] < passed {
-            let at = samples.len() as f64;
-            let (mut s, mut t) = ((shifts[1] + at * R2[0]).fract(), (shifts[2] + at * R2[1]).fract());
+    let (mut face, mut passed) = (0, areas[0]);
+    (0..n)
+        .map(|i| {
+            let [shift, mut s, mut t]: [f64; 3] = random.random();
+            let target = (i as f64 + shift) / n as f64 * total;
+            while passed < target && face + 1 < faces.len() {
+                face += 1;
+                passed += areas[face];
+            }
             if s + t > 1.0 {
                 (s, t) = (1.0 - s, 1.0 - t);
             }
-            samples.push(vertices[a] * (1.0 - s - t) + vertices[b] * s + vertices[c] * t);
-        }
-    }
-    samples
+            let [a, b, c] = faces[face];
+            vertices[a] * (1.0 - s - t) + vertices[b] * s + vertices[c] * t
+        })
+        .collect()
 }

@@ -17,6 +17,8 @@ pub struct Span {
     pub axes: [Vec3; 3],
     /// Size of the set along each axis, as seen from `origin`.
     pub reach: [f64; 3],
+    /// Indices of the origin and of the points that are farthest from it, from the line and from the plane.
+    pub corners: [usize; 4],
 }
 
 /// Return the index and the value of the largest score; the first one of equals.
@@ -45,7 +47,8 @@ pub fn any_normal(axis: &Vec3) -> Vec3 {
 #[must_use]
 pub fn span(points: &[Vec3]) -> Span {
     let centroid = points.iter().sum::<Vec3>() / points.len() as f64;
-    let origin = points[farthest(points, |p| (p - centroid).norm_squared()).0];
+    let start = farthest(points, |p| (p - centroid).norm_squared()).0;
+    let origin = points[start];
     let (first, reach0) = farthest(points, |p| (p - origin).norm_squared());
     let reach0 = reach0.sqrt();
     let mut found = Span {
@@ -53,6 +56,7 @@ pub fn span(points: &[Vec3]) -> Span {
         origin,
         axes: [Vec3::x(), Vec3::y(), Vec3::z()],
         reach: [reach0, 0.0, 0.0],
+        corners: [start, first, start, start],
     };
     // Coordinates far from zero cannot tell sizes below their rounding.
     let floor = points.iter().map(|p| p.amax()).fold(0.0, f64::max) * f64::EPSILON * 4.0;
@@ -69,14 +73,16 @@ pub fn span(points: &[Vec3]) -> Span {
     let tolerance = (FLAT_TOLERANCE * reach0).max(floor);
     found.dimension = 1;
     found.reach[1] = reach1;
+    found.corners[2] = second;
     let y = if reach1 <= tolerance { any_normal(&x) } else { off_line(&points[second]) / reach1 };
     let z = x.cross(&y).normalize();
     found.axes = [x, z.cross(&x).normalize(), z];
     if reach1 <= tolerance {
         return found;
     }
-    let (_, reach2) = farthest(points, |p| (p - origin).dot(&z).abs());
+    let (third, reach2) = farthest(points, |p| (p - origin).dot(&z).abs());
     found.reach[2] = reach2;
+    found.corners[3] = third;
     found.dimension = if reach2 <= tolerance { 2 } else { 3 };
     found
 }

@@ -22,10 +22,8 @@ pub fn box_gap(a: &OrientedBox, b: &OrientedBox) -> f64 {
     }
     for (p, q) in edges() {
         for (r, s) in edges() {
-            nearest = nearest.min(segment_distance_squared(
-                [&corners_a[p], &corners_a[q]],
-                [&corners_b[r], &corners_b[s]],
-            ));
+            nearest =
+                nearest.min(segment_distance_squared([&corners_a[p], &corners_a[q]], [&corners_b[r], &corners_b[s]]));
         }
     }
     nearest.sqrt()
@@ -34,9 +32,8 @@ pub fn box_gap(a: &OrientedBox, b: &OrientedBox) -> f64 {
 /// Corner k lies on the positive side of axis i when bit i of k is set.
 fn corners(b: &OrientedBox) -> [Vec3; 8] {
     std::array::from_fn(|k| {
-        (0..3).fold(b.center, |p, i| {
-            p + b.axes[i] * if k >> i & 1 == 1 { b.half_extents[i] } else { -b.half_extents[i] }
-        })
+        (0..3)
+            .fold(b.center, |p, i| p + b.axes[i] * if k >> i & 1 == 1 { b.half_extents[i] } else { -b.half_extents[i] })
     })
 }
 
@@ -52,10 +49,12 @@ fn separated(a: &OrientedBox, b: &OrientedBox) -> bool {
         offset.dot(&axis).abs() > reach(a) + reach(b)
     };
     a.axes.iter().chain(&b.axes).any(|x| splits(*x))
-        || a.axes.iter().any(|x| b.axes.iter().any(|y| {
-            // Almost parallel axes give a direction of rounding errors; the face axes decide those.
-            x.cross(y).try_normalize(1e-8).is_some_and(splits)
-        }))
+        || a.axes.iter().any(|x| {
+            b.axes.iter().any(|y| {
+                // Almost parallel axes give a direction of rounding errors; the face axes decide those.
+                x.cross(y).try_normalize(1e-8).is_some_and(splits)
+            })
+        })
 }
 
 fn point_distance_squared(b: &OrientedBox, point: &Vec3) -> f64 {
@@ -83,11 +82,7 @@ mod tests {
     use super::*;
 
     fn cube(x: f64, y: f64, z: f64) -> OrientedBox {
-        OrientedBox {
-            center: Vec3::new(x, y, z),
-            axes: [Vec3::x(), Vec3::y(), Vec3::z()],
-            half_extents: [1.0; 3],
-        }
+        OrientedBox { center: Vec3::new(x, y, z), axes: [Vec3::x(), Vec3::y(), Vec3::z()], half_extents: [1.0; 3] }
     }
 
     fn turned(mut b: OrientedBox, turn: Vec3) -> OrientedBox {

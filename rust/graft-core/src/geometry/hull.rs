@@ -1,10 +1,12 @@
-//! Convex hull by parry's quickhull; the only place that speaks parry's vectors.
-
-use parry3d_f64::math::Vector as ParryVector;
-use parry3d_f64::transformation::try_convex_hull;
+//! Convex hull of points.
 
 use super::Vec3;
 use super::affine::{Span, span};
+use super::quickhull::quickhull;
+
+/// Shifts, as shares of the set's size, with which the hull is sought in turn. Rounding can contradict itself where many
+/// points lie on one plane; shifted points do not, and the shift is below what any box is compared to.
+const SHIFTS: [f64; 3] = [0.0, 1e-11, 1e-9];
 
 /// A convex polyhedron with triangular faces, wound outward.
 #[derive(Debug, Clone, Default)]
@@ -34,8 +36,7 @@ impl Hull {
 
 /// Compute the convex hull of a point set.
 ///
-/// Points on a plane, a line or a point, and the rare sets on which quickhull gives up, come back as all their points
-/// without faces.
+/// Points on a plane, a line or a point come back as all their points without faces.
 #[must_use]
 pub fn convex_hull(points: &[Vec3]) -> Hull {
     if points.is_empty() {
@@ -47,27 +48,43 @@ pub fn convex_hull(points: &[Vec3]) -> Hull {
 /// Like [`convex_hull`], for a caller that knows the span.
 #[must_use]
 pub fn hull_in(points: &[Vec3], span: &Span) -> Hull {
-    let flat = || Hull { vertices: points.to_vec(), faces: Vec::new() };
-    if span.dimension < 3 {
-        return flat();
+    if span.dimension == 3 {
+        // Hulls commute with affine maps. Stretched to the unit cube, a thin sheet is as well conditioned as a ball.
+        let stretched: Vec<Vec3> = points
+            .iter()
+            .map(|p| {
+                let d = p - span.origin;
+                Vec3::from([0, 1, 2].map(|k| d.dot(&span.axes[k]) / span.reach[k]))
+            })
+            .collect();
+        for shift in SHIFTS {
+            if let Some(faces) = quickhull(&shifted(&stretched, shift), span.corners) {
+                return compact(points, faces);
+            }
+        }
     }
-    // Hulls commute with affine maps. Stretching the set to the unit cube keeps thin sheets from counting as flat.
-    let stretched: Vec<ParryVector> = points
-        .iter()
-        .map(|p| {
-            let d = p - span.origin;
-            let [u, v, w] = [0, 1, 2].map(|k| d.dot(&span.axes[k]) / span.reach[k]);
-            ParryVector::new(u, v, w)
-        })
-        .collect();
-    // Quickhull asserts invariants that rounding can break; a broken one means no hull, not the end of the process.
-    let found = std::panic::catch_unwind(|| try_convex_hull(&stretched));
-    let Ok(Ok((corners, faces))) = found else { return flat() };
-    let back = |c: &ParryVector| {
-        span.origin
-            + span.axes[0] * (c.x * span.reach[0])
-            + span.axes[1] * (c.y * span.reach[1])
-            + span.axes[2] * (c.z * span.reach[2])
-    };
-    Hull { vertices: corners.iter().map(back).collect(), faces }
+    Hull { vertices: points.to_vec(), faces: Vec::new() }
+}
+
+/// Move every point by at most `shift` along each axis, each by its own fixed pseudo-random amount.
+fn shifted(points: &[Vec3], shift: f64) -> Vec<Vec3> {
+    // The fractional parts of multiples of the inverses of the plastic number (Roberts 2018) are spread evenly.
+    let amount = |i: usize, g: f64| ((i as f64 * g).fract() * 2.0 - 1.0) * shift;
+    let move_by = |(i, p): (usize, &Vec3)| p + Vec3::new(amount(i, 0.819_17), amount(i, 0.671_04), amount(i, 0.549_70));
+    points.iter().enumerate().map(move_by).collect()
+}
+
+/// Keep only the points that faces use.
+fn compact(points: &[Vec3], mut faces: Vec<[u32; 3]>) -> Hull {
+    let mut renumbered = vec![u32::MAX; points.len()];
+    let mut vertices = Vec::new();
+    for i in faces.iter_mut().flatten() {
+        let slot = &mut renumbered[*i as usize];
+        if *slot == u32::MAX {
+            *slot = vertices.len() as u32;
+            vertices.push(points[*i as usize]);
+        }
+        *i = *slot;
+    }
+    Hull { vertices, faces }
 }

@@ -6,6 +6,7 @@ pub mod gap;
 pub mod hull;
 pub mod obb;
 pub mod part;
+mod quickhull;
 pub mod rectangle;
 pub mod search;
 pub mod surface;

@@ -6,11 +6,13 @@
 //! the search. The best of them are then turned, first about one axis at a time by calipers, then freely in shrinking
 //! steps, which reaches the boxes that only touch edges.
 
+use std::collections::HashSet;
+
 use super::Vec3;
 use super::affine::{any_normal, span};
 use super::hull::hull_in;
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
-use super::search::{Candidate, Coarse, Polyhedron, Workspace, extent};
+use super::search::{Candidate, Coarse, Polyhedron, Workspace};
 
 /// Volumes within this share of each other are equal; the earlier candidate wins.
 const VOLUME_TIE: f64 = 1e-12;
@@ -22,10 +24,26 @@ const SAME_NORMAL: f64 = 1e-9;
 const LONG_EDGES: usize = 32;
 
 /// How many of the best candidates are turned further.
-const REFINED: usize = 6;
+const REFINED: usize = 3;
+
+/// A turn counts when it makes the box smaller by more than this share; less is rounding.
+const SMALLER: f64 = 1e-10;
+
+/// Directions whose extreme points make the coarse polyhedron, which bounds volumes to a few per cent from below.
+const COARSE_DIRECTIONS: usize = 32;
+
+/// Up to this many candidates are all tried; of more, one in every cell first.
+const ALL_CANDIDATES: usize = 400;
+
+/// Size of a cell of directions, and radius of the neighbourhood in which all candidates are tried, radians. The free
+/// turning reaches twice as far.
+const CELL: f64 = 0.1;
 
 /// First and last step of the free turning, radians.
-const STEPS: (f64, f64) = (0.2, 1e-8);
+const STEPS: (f64, f64) = (0.2, 1e-6);
+
+/// What a step that finds nothing is shortened by.
+const SHRINK: f64 = 0.35;
 
 /// A box.
 #[derive(Debug, Clone, Copy)]
@@ -99,7 +117,7 @@ pub fn minimal_box(points: &[Vec3]) -> Boxed {
             let y = any_normal(&found.axes[0]);
             [found.axes[0], y, found.axes[0].cross(&y)]
         }
-        3 if !hull.faces.is_empty() => solid_axes(Polyhedron::new(hull)),
+        3 if !hull.faces.is_empty() => solid_axes(&Polyhedron::new(hull)),
         // A plane, or a solid so thin that quickhull gave up.
         _ => planar_axes(points, found.axes),
     };
@@ -139,32 +157,62 @@ fn upper(n: &Vec3) -> Vec3 {
     if (n.z, n.y, n.x) < (0.0, 0.0, 0.0) { -n } else { *n }
 }
 
-fn solid_axes(hull: Polyhedron) -> [Vec3; 3] {
-    let coarse = Coarse::new(&hull);
+/// The best few boxes found so far, each once, in the order of their volumes.
+struct Best(Vec<Candidate>);
+
+impl Best {
+    fn smallest(&self) -> f64 {
+        self.0.first().map_or(f64::INFINITY, |c| c.volume)
+    }
+
+    fn insert(&mut self, candidate: Candidate) {
+        let place = self.0.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
+        // A box is found again by way of each of its axes; equal volumes are taken for equal boxes.
+        let known = place > 0 && self.0[place - 1].volume >= candidate.volume * (1.0 - VOLUME_TIE);
+        if place < REFINED && !known {
+            self.0.insert(place, candidate);
+            self.0.truncate(REFINED);
+        }
+    }
+}
+
+fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
     let mut work = Workspace::default();
-    let mut queue: Vec<(f64, Vec3)> =
-        candidate_normals(&hull).into_iter().map(|n| (coarse.quick_bound(&n), n)).collect();
+    let mut rough_work = Workspace::default();
+    let rough = Coarse::new(hull, COARSE_DIRECTIONS);
+    let quick = |n: &Vec3| rough.as_ref().map_or(0.0, |c| c.quick_bound(n));
+    let mut queue: Vec<(f64, Vec3)> = candidate_normals(hull).into_iter().map(|n| (quick(&n), n)).collect();
     queue.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Vec<Candidate> = Vec::with_capacity(REFINED + 1);
-    let mut smallest = f64::INFINITY;
-    for (bound, normal) in queue {
-        if bound >= smallest {
-            break;
+    let mut best = Best(Vec::with_capacity(REFINED + 1));
+    let mut evaluate = |(bound, normal): &(f64, Vec3), best: &mut Best| {
+        let smallest = best.smallest();
+        if *bound >= smallest || rough.as_ref().is_some_and(|c| c.bound(normal, &mut rough_work) >= smallest) {
+            return;
         }
-        if coarse.bound(&normal, &mut work) >= smallest {
-            continue;
+        if let Some(candidate) = hull.best_about(normal, &mut work) {
+            best.insert(candidate);
         }
-        let Some(candidate) = hull.best_about(&normal, &mut work) else { continue };
-        smallest = smallest.min(candidate.volume);
-        let place = best.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
-        if place < REFINED {
-            best.insert(place, candidate);
-            best.truncate(REFINED);
+    };
+    // First one normal of every cell, then all those in the neighbourhood of the best boxes' axes.
+    let thin = queue.len() > ALL_CANDIDATES;
+    let mut taken = HashSet::new();
+    let mut rest = Vec::new();
+    for entry in queue {
+        if !thin || taken.insert(entry.1.map(|c| (c / CELL).round() as i32)) {
+            evaluate(&entry, &mut best);
+        } else {
+            rest.push(entry);
+        }
+    }
+    let axes: Vec<Vec3> = best.0.iter().flat_map(|c| c.axes).collect();
+    for entry in rest {
+        if axes.iter().any(|a| a.dot(&entry.1).abs() > 1.0 - CELL * CELL / 2.0) {
+            evaluate(&entry, &mut best);
         }
     }
     let mut winner: Option<Candidate> = None;
-    for candidate in best {
-        let turned = turn_freely(&hull, &coarse, turn_about_axes(&hull, candidate, &mut work), &mut work);
+    for candidate in best.0 {
+        let turned = turn_freely(hull, turn_about_axes(hull, candidate, &mut work), &mut work);
         if winner.is_none_or(|w| turned.volume < w.volume * (1.0 - VOLUME_TIE)) {
             winner = Some(turned);
         }
@@ -178,7 +226,7 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
         let mut improved = current;
         for axis in current.axes {
             if let Some(found) = hull.best_about(&axis, work)
-                && found.volume < improved.volume * (1.0 - 1e-10)
+                && found.volume < improved.volume * (1.0 - SMALLER)
             {
                 improved = found;
             }
@@ -190,47 +238,31 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
     }
 }
 
-/// Turn a box by rotation vectors with components in {-1, 0, 1} steps; the best of them is taken, the step is halved
-/// when none is better. The set is the same for every choice of the axes' signs and order.
-fn turn_freely(hull: &Polyhedron, coarse: &Coarse, mut current: Candidate, work: &mut Workspace) -> Candidate {
+/// Turn a box by rotation vectors with components in {-1, 0, 1} steps, at most two of them turning; the best of them
+/// is taken, the step is shortened when none is better. The set is the same for every choice of the axes' signs and order.
+fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) -> Candidate {
     let mut step = STEPS.0;
     while step > STEPS.1 {
-        let near = reachable(hull, &current.axes, step);
         let mut improved = current;
         for code in 0..27 {
-            if code == 13 {
+            let parts = [code % 3, code / 3 % 3, code / 9].map(|c| f64::from(c) - 1.0);
+            if !(1..=2).contains(&parts.iter().filter(|p| **p != 0.0).count()) {
                 continue;
             }
-            let [x, y, z] = [code % 3, code / 3 % 3, code / 9].map(|c| (f64::from(c) - 1.0) * step);
+            let [x, y, z] = parts.map(|p| p * step);
             let turn = current.axes[0] * x + current.axes[1] * y + current.axes[2] * z;
             let rotation = nalgebra::Rotation3::new(turn);
             let axes = current.axes.map(|a| rotation * a);
-            if step > 0.02 && coarse.box_bound(&axes) >= improved.volume {
-                continue;
-            }
-            let volume = axes.iter().zip(&near).map(|(a, points)| extent(points, a)).product::<f64>();
-            if volume < improved.volume * (1.0 - 1e-10) {
+            let volume = hull.box_volume(&axes, work);
+            if volume < improved.volume * (1.0 - SMALLER) {
                 improved = Candidate { volume, axes };
             }
         }
         if improved.volume < current.volume {
             current = turn_about_axes(hull, improved, work);
         } else {
-            step /= 2.0;
+            step *= SHRINK;
         }
     }
     current
-}
-
-/// The corners that can come to touch each pair of box faces when the box turns by up to sqrt(3) `step` radians.
-fn reachable(hull: &Polyhedron, axes: &[Vec3; 3], step: f64) -> [Vec<Vec3>; 3] {
-    let size = extent(&hull.vertices, &axes[0]).hypot(extent(&hull.vertices, &axes[1])).hypot(extent(&hull.vertices, &axes[2]));
-    let slack = 2.0 * 3.0f64.sqrt() * step * size;
-    axes.map(|a| {
-        let heights: Vec<f64> = hull.vertices.iter().map(|p| p.dot(&a)).collect();
-        let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let touches = |h: f64| h <= low + slack || h >= high - slack;
-        hull.vertices.iter().zip(&heights).filter(|(_, h)| touches(**h)).map(|(p, _)| *p).collect()
-    })
 }

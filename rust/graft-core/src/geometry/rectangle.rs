@@ -1,5 +1,9 @@
 //! Rectangle of minimal area about planar points, by rotating calipers (Toussaint 1983).
 
+/// Edges shorter than this share of the polygon have a direction made of rounding errors and are not tried as sides:
+/// both ends of an edge seen end-on project to one point.
+const SHORT_EDGE: f64 = 1e-9;
+
 /// A point of the plane.
 pub type Vec2 = nalgebra::Vector2<f64>;
 
@@ -43,12 +47,13 @@ pub fn minimal_rectangle(polygon: &[Vec2]) -> Option<Rectangle> {
     let n = polygon.len();
     let next = |i: usize| if i + 1 == n { 0 } else { i + 1 };
     let mut best: Option<Rectangle> = None;
+    let size = polygon.iter().map(|p| (p - polygon[0]).amax()).fold(0.0, f64::max);
     // Feet of the calipers: farthest along the edge, away from it, and against it.
     let (mut right, mut top, mut left) = (0, 0, 0);
     for i in 0..n {
         let edge = polygon[next(i)] - polygon[i];
         let length = edge.norm();
-        if length <= 0.0 {
+        if length <= SHORT_EDGE * size {
             continue;
         }
         let u = edge / length;

@@ -4,8 +4,12 @@ use super::Vec3;
 use super::hull::{Hull, convex_hull};
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
 
-/// Directions whose extreme points make the coarse polyhedron; 96 of them bound the volume to a few per cent from below.
-const COARSE_DIRECTIONS: usize = 48;
+/// A face is seen when its normal leans towards the viewer by more than this; faces on edge count as unseen together,
+/// rather than each as its rounding errors have it.
+const SEEN: f64 = 1e-9;
+
+/// A silhouette that misses an extreme corner by more than this share of the extent went around the wrong loop.
+const LOOP_TOLERANCE: f64 = 1e-6;
 
 /// A candidate: the volume of a box and its axes, right-handed.
 #[derive(Debug, Clone, Copy)]
@@ -24,8 +28,11 @@ pub struct Polyhedron {
     pub faces: Vec<[u32; 3]>,
     /// Outward unit normals, those of slivers being zero.
     pub normals: Vec<Vec3>,
-    /// Twice the area vectors, positive multiples of the normals.
-    area_vectors: Vec<Vec3>,
+    /// Face areas.
+    areas: Vec<f64>,
+    /// Corner k's neighbours are `ring[ring_start[k]..ring_start[k + 1]]`, each a corner and the half-edge that leads to it.
+    ring: Vec<(u32, u32)>,
+    ring_start: Vec<u32>,
     /// Across edge k (corner k to k + 1) of each face: the other face and its edge, 3 * face + edge.
     across: Vec<u32>,
     /// Whether every edge has exactly two faces; without it there is no silhouette to walk along.
@@ -37,6 +44,8 @@ pub struct Polyhedron {
 pub struct Workspace {
     outline: Vec<Vec2>,
     polygon: Vec<Vec2>,
+    /// Where the last searches for extreme corners ended, by direction.
+    feet: [usize; 6],
 }
 
 /// Return how far `points` reach along a direction.
@@ -75,24 +84,74 @@ impl Polyhedron {
             })
             .collect();
         let normals = area_vectors.iter().map(|a| a.try_normalize(1e-300).unwrap_or_default()).collect();
+        let areas = area_vectors.iter().map(|a| a.norm() / 2.0).collect();
         let (across, closed) = neighbours(&faces);
-        Self { vertices, faces, normals, area_vectors, across, closed }
+        let (ring, ring_start) = rings(&faces, vertices.len());
+        Self { vertices, faces, normals, areas, ring, ring_start, across, closed }
     }
 
     /// Undirected edges as (corner, corner), each once.
     pub fn edges(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.faces.iter().flat_map(|f| (0..3).map(move |k| (f[k] as usize, f[(k + 1) % 3] as usize))).filter(|(a, b)| a < b)
+        self.faces
+            .iter()
+            .flat_map(|f| (0..3).map(move |k| (f[k] as usize, f[(k + 1) % 3] as usize)))
+            .filter(|(a, b)| a < b)
     }
 
     /// Area of the shadow along a unit direction (Cauchy).
     #[must_use]
     pub fn shadow(&self, direction: &Vec3) -> f64 {
-        self.area_vectors.iter().map(|a| a.dot(direction).abs()).sum::<f64>() / 4.0
+        self.normals.iter().zip(&self.areas).map(|(n, a)| a * n.dot(direction).abs()).sum::<f64>() / 2.0
+    }
+
+    /// The corner that lies farthest along a direction, sought uphill from `start`.
+    ///
+    /// On a convex polyhedron every corner without a higher neighbour is the highest.
+    #[must_use]
+    pub fn support(&self, direction: &Vec3, start: usize) -> usize {
+        let mut top = start;
+        let mut height = self.vertices[top].dot(direction);
+        loop {
+            let before = top;
+            for &(other, _) in self.ring_of(before) {
+                let h = self.vertices[other as usize].dot(direction);
+                if h > height {
+                    (top, height) = (other as usize, h);
+                }
+            }
+            if top == before {
+                return top;
+            }
+        }
+    }
+
+    fn ring_of(&self, corner: usize) -> &[(u32, u32)] {
+        &self.ring[self.ring_start[corner] as usize..self.ring_start[corner + 1] as usize]
+    }
+
+    /// How far the polyhedron reaches along a direction; `low` and `high` are where the search starts and ends.
+    fn reach(&self, direction: &Vec3, low: &mut usize, high: &mut usize) -> f64 {
+        *high = self.support(direction, *high);
+        *low = self.support(&-direction, *low);
+        (self.vertices[*high] - self.vertices[*low]).dot(direction)
+    }
+
+    /// Volume of the box with these axes.
+    pub fn box_volume(&self, axes: &[Vec3; 3], work: &mut Workspace) -> f64 {
+        let mut volume = 1.0;
+        for (axis, feet) in axes.iter().zip(work.feet.chunks_exact_mut(2)) {
+            let (low, high) = feet.split_at_mut(1);
+            volume *= self.reach(axis, &mut low[0], &mut high[0]);
+        }
+        volume
     }
 
     /// The smallest box that has `normal` as an axis.
     pub fn best_about(&self, normal: &Vec3, work: &mut Workspace) -> Option<Candidate> {
         let (u, v) = plane_axes(normal);
+        let [mut low, mut high, ..] = work.feet;
+        let height = self.reach(normal, &mut low, &mut high);
+        [work.feet[0], work.feet[1]] = [low, high];
         if !(self.closed && self.walk_silhouette(normal, &u, &v, work)) {
             work.outline.clear();
             work.outline.extend(self.vertices.iter().map(|p| Vec2::new(p.dot(&u), p.dot(&v))));
@@ -100,15 +159,24 @@ impl Polyhedron {
         }
         let found = minimal_rectangle(&work.polygon)?;
         let x = u * found.side.x + v * found.side.y;
-        Some(Candidate { volume: found.area * extent(&self.vertices, normal), axes: [x, normal.cross(&x), *normal] })
+        let axes = [x, normal.cross(&x), *normal];
+        // Where rounding led the calipers astray, their rectangle is too small; what the box needs decides.
+        let volume = (found.area * height).max(self.box_volume(&axes, work));
+        Some(Candidate { volume, axes })
     }
 
     /// Project the closed loop between the faces that look along `normal` and those that do not.
     ///
-    /// False when no single loop was found, which rounding at slivers can cause.
+    /// False when the loop through the extreme corner was not found or is not the outline.
     fn walk_silhouette(&self, normal: &Vec3, u: &Vec3, v: &Vec3, work: &mut Workspace) -> bool {
-        let seen = |face: usize| self.area_vectors[face].dot(normal) > 0.0;
-        let Some(start) = self.silhouette_edge(normal) else { return false };
+        let seen = |edge: usize| self.normals[edge / 3].dot(normal) > SEEN;
+        let across = |edge: usize| self.across[edge] as usize;
+        let [.., mut left, mut right] = work.feet;
+        let width = self.reach(u, &mut left, &mut right);
+        [work.feet[4], work.feet[5]] = [left, right];
+        let leaving = |&(_, edge): &(u32, u32)| seen(edge as usize) && !seen(across(edge as usize));
+        let Some(&(_, start)) = self.ring_of(right).iter().find(|e| leaving(e)) else { return false };
+        let start = start as usize;
         work.outline.clear();
         let mut edge = start;
         // Every half-edge is passed at most once on a sound polyhedron.
@@ -118,47 +186,44 @@ impl Polyhedron {
             // Turn about the edge's end, through the faces that are seen, to the next edge with an unseen face behind.
             edge = next_in_face(edge);
             let mut turns = 0;
-            while seen(self.across[edge] as usize / 3) {
-                edge = next_in_face(self.across[edge] as usize);
+            while seen(across(edge)) {
+                edge = next_in_face(across(edge));
                 turns += 1;
                 if turns > self.faces.len() {
                     return false;
                 }
             }
             if edge == start {
-                return convex_loop(&mut work.outline, &mut work.polygon);
+                let found = work.outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64), |f, p| {
+                    (f.0.min(p.x), f.1.max(p.x), f.2.min(p.y), f.3.max(p.y))
+                });
+                let whole = found.1 - found.0 >= width * (1.0 - LOOP_TOLERANCE);
+                return whole && convex_loop(&mut work.outline, &mut work.polygon);
             }
         }
         false
     }
+}
 
-    /// A half-edge whose face is seen along `normal` while the face across is not.
-    fn silhouette_edge(&self, normal: &Vec3) -> Option<usize> {
-        // Go downhill on the normals from the face that is seen best of a few; gives up at flat spots.
-        let score = |face: usize| self.normals[face].dot(normal);
-        let stride = self.faces.len() / 8 + 1;
-        let mut face = (0..self.faces.len()).step_by(stride).find(|&f| score(f) > 0.0).unwrap_or(0);
-        let mut height = score(face);
-        while height > 0.0 {
-            let mut lowest = (height, None);
-            for k in 0..3 {
-                let other = self.across[3 * face + k] as usize / 3;
-                let s = score(other);
-                if s <= 0.0 && self.area_vectors[other].dot(normal) <= 0.0 {
-                    return Some(3 * face + k);
-                }
-                if s < lowest.0 {
-                    lowest = (s, Some(other));
-                }
-            }
-            match lowest {
-                (s, Some(other)) => (face, height) = (other, s),
-                (_, None) => break,
-            }
-        }
-        let seen: Vec<bool> = self.area_vectors.iter().map(|a| a.dot(normal) > 0.0).collect();
-        (0..self.across.len()).find(|&e| seen[e / 3] && !seen[self.across[e] as usize / 3])
+/// List each corner's neighbours with the half-edges that lead to them.
+fn rings(faces: &[[u32; 3]], corners: usize) -> (Vec<(u32, u32)>, Vec<u32>) {
+    let mut start = vec![0u32; corners + 1];
+    for i in faces.iter().flatten() {
+        start[*i as usize + 1] += 1;
     }
+    for k in 0..corners {
+        start[k + 1] += start[k];
+    }
+    let mut next = start.clone();
+    let mut ring = vec![(0, 0); 3 * faces.len()];
+    for (f, face) in faces.iter().enumerate() {
+        for k in 0..3 {
+            let slot = &mut next[face[k] as usize];
+            ring[*slot as usize] = (face[(k + 1) % 3], (3 * f + k) as u32);
+            *slot += 1;
+        }
+    }
+    (ring, start)
 }
 
 fn next_in_face(edge: usize) -> usize {
@@ -214,56 +279,43 @@ fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
 
 /// A polyhedron inside the hull, with few corners: what it needs as a box, the hull needs at least.
 pub struct Coarse {
-    /// Its corners, corners of the hull too.
-    pub points: Vec<Vec3>,
-    shape: Option<Polyhedron>,
+    shape: Polyhedron,
 }
 
 impl Coarse {
-    /// Take the extreme points of a hull along directions spread evenly over the sphere.
+    /// Take the extreme points of a hull along `directions` spread evenly over half a sphere, and against them.
+    ///
+    /// None when the hull has hardly more corners, or they span no solid.
     #[must_use]
-    pub fn new(hull: &Polyhedron) -> Self {
-        if hull.vertices.len() <= 2 * COARSE_DIRECTIONS {
-            return Self { points: hull.vertices.clone(), shape: None };
+    pub fn new(hull: &Polyhedron, directions: usize) -> Option<Self> {
+        if hull.vertices.len() <= 3 * directions {
+            return None;
         }
         let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
-        let mut chosen = Vec::with_capacity(2 * COARSE_DIRECTIONS);
-        for i in 0..COARSE_DIRECTIONS {
-            let z = 1.0 - (i as f64 + 0.5) / COARSE_DIRECTIONS as f64;
+        let mut chosen = Vec::with_capacity(2 * directions);
+        let (mut low, mut high) = (0, 0);
+        for i in 0..directions {
+            let z = 1.0 - (i as f64 + 0.5) / directions as f64;
             let (s, c) = (golden * i as f64).sin_cos();
             let r = (1.0 - z * z).sqrt();
-            let d = Vec3::new(r * c, r * s, z);
-            let (mut low, mut high) = ((f64::INFINITY, 0), (f64::NEG_INFINITY, 0));
-            for (k, p) in hull.vertices.iter().enumerate() {
-                let t = p.dot(&d);
-                low = if t < low.0 { (t, k) } else { low };
-                high = if t > high.0 { (t, k) } else { high };
-            }
-            chosen.extend([low.1, high.1]);
+            hull.reach(&Vec3::new(r * c, r * s, z), &mut low, &mut high);
+            chosen.extend([low, high]);
         }
         chosen.sort_unstable();
         chosen.dedup();
         let points: Vec<Vec3> = chosen.iter().map(|&k| hull.vertices[k]).collect();
         let inner = convex_hull(&points);
-        let shape = (!inner.faces.is_empty()).then(|| Polyhedron::new(inner));
-        Self { points, shape }
+        (!inner.faces.is_empty()).then(|| Self { shape: Polyhedron::new(inner) })
     }
 
     /// A number that no box about the hull with `normal` as an axis is smaller than: height times shadow.
     #[must_use]
     pub fn quick_bound(&self, normal: &Vec3) -> f64 {
-        self.shape.as_ref().map_or(0.0, |s| s.shadow(normal) * extent(&self.points, normal))
+        self.shape.shadow(normal) * extent(&self.shape.vertices, normal)
     }
 
     /// Like [`Self::quick_bound`], closer: height times the smallest rectangle.
     pub fn bound(&self, normal: &Vec3, work: &mut Workspace) -> f64 {
-        let Some(shape) = &self.shape else { return 0.0 };
-        shape.best_about(normal, work).map_or(0.0, |c| c.volume)
-    }
-
-    /// A number that the box with these axes is not smaller than.
-    #[must_use]
-    pub fn box_bound(&self, axes: &[Vec3; 3]) -> f64 {
-        axes.iter().map(|a| extent(&self.points, a)).product()
+        self.shape.best_about(normal, work).map_or(0.0, |c| c.volume)
     }
 }

@@ -2,8 +2,9 @@
 
 use std::collections::VecDeque;
 
-/// Return the (n, n) row-major adjacency: the joints where there are any, else pairs with a gap of at most `threshold`;
-/// then components are connected by their smallest gaps (Kruskal; ties go to the lower indices).
+/// Return the (n, n) row-major adjacency: the joints; then pairs with a gap of at most `threshold` of which one part has no
+/// joint at all (a format may joint two bodies of several pieces each); then components are connected by their smallest
+/// gaps (Kruskal; ties go to the lower indices).
 #[must_use]
 pub fn adjacency(n: usize, gaps: &[f64], joints: &[(usize, usize)], threshold: f64) -> Vec<bool> {
     let mut edges = vec![false; n * n];
@@ -21,8 +22,9 @@ pub fn adjacency(n: usize, gaps: &[f64], joints: &[(usize, usize)], threshold: f
     for &(i, j) in joints.iter().filter(|(i, j)| i != j) {
         join(i, j, &mut component);
     }
+    let jointed = |part: usize| joints.iter().any(|&(i, j)| i != j && (i == part || j == part));
     for (i, j) in pairs {
-        let touching = joints.is_empty() && gaps[i * n + j] <= threshold;
+        let touching = !(jointed(i) && jointed(j)) && gaps[i * n + j] <= threshold;
         if touching || component[i] != component[j] {
             join(i, j, &mut component);
         }
@@ -53,7 +55,7 @@ mod tests {
 
     #[test]
     fn joints_win_and_the_rest_is_connected_by_its_smallest_gap() {
-        // 0 and 1 touch but are not jointed; 2 hangs off 1, 3 is loose and nearest to 0.
+        // 0 and 1 touch, 3 is loose and nearest to 0.
         let mut gaps = vec![0.9; 16];
         let mut set = |i: usize, j: usize, g: f64| (gaps[i * 4 + j], gaps[j * 4 + i]) = (g, g);
         set(0, 1, 0.0);
@@ -64,7 +66,10 @@ mod tests {
             (0..16).filter(|k| a[*k] && k / 4 < k % 4).map(|k| (k / 4, k % 4)).collect()
         };
         assert_eq!(edges(&free), [(0, 1), (0, 3), (2, 3)]);
+        // 2 hangs off 1 by a joint; 0 has none and counts as touching 1.
         assert_eq!(edges(&adjacency(4, &gaps, &[(2, 1)], 0.02)), [(0, 1), (0, 3), (1, 2)]);
+        // Jointed parts do not touch beside their joints: 0 and 1 hang off 2.
+        assert_eq!(edges(&adjacency(4, &gaps, &[(2, 1), (2, 0)], 0.02)), [(0, 2), (0, 3), (1, 2)]);
     }
 
     #[test]

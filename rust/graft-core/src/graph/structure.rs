@@ -55,19 +55,15 @@ fn separation(a: &OrientedBox, b: &OrientedBox, unit: f64) -> f64 {
 /// lengths in metres.
 #[must_use]
 pub fn all_pairs(boxes: &[OrientedBox], unit: f64) -> Vec<f64> {
-    table(boxes, |i, j| separation(&boxes[i], &boxes[j], unit))
-        .into_iter()
-        .map(|x| x / (1.0 + x))
-        .collect()
+    table(boxes, |i, j| separation(&boxes[i], &boxes[j], unit)).into_iter().map(|x| x / (1.0 + x)).collect()
 }
 
 /// Return the (n, n) row-major lengths l = x / (1 + x), x the shortest path along adjacent parts (Floyd and Warshall).
 #[must_use]
 pub fn shortest_paths(boxes: &[OrientedBox], adjacency: &[bool], unit: f64) -> Vec<f64> {
     let n = boxes.len();
-    let mut x = table(boxes, |i, j| {
-        if adjacency[i * n + j] { separation(&boxes[i], &boxes[j], unit) } else { f64::INFINITY }
-    });
+    let mut x =
+        table(boxes, |i, j| if adjacency[i * n + j] { separation(&boxes[i], &boxes[j], unit) } else { f64::INFINITY });
     for k in 0..n {
         for i in 0..n {
             for j in 0..n {

@@ -104,6 +104,7 @@ pub struct Bvh {
 
 impl Bvh {
     /// Build the tree over `primitives`, whose coordinates must be finite.
+    #[must_use]
     pub fn new(primitives: Vec<Primitive>) -> Self {
         let bounds: Vec<Aabb> = primitives.iter().map(Aabb::of).collect();
         let centers: Vec<Vector3<f64>> = bounds.iter().map(|b| (b.low + b.high) * 0.5).collect();
@@ -116,6 +117,7 @@ impl Bvh {
     }
 
     /// Return the nearest hit at a distance of at least 0; of equally near ones the primitive of lowest index.
+    #[must_use]
     pub fn nearest(&self, ray: &Ray) -> Option<Hit> {
         let inverse = ray.direction.map(|x| 1.0 / x);
         let mut best: Option<Hit> = None;
@@ -169,8 +171,7 @@ impl Bvh {
             Primitive::Sphere(center, radius) => hit_sphere(center, *radius, ray).map(|t| (t, [0.0; 2])),
         };
         if let Some((distance, weights)) = found {
-            let nearer = best
-                .is_none_or(|b| distance < b.distance || (distance == b.distance && primitive < b.primitive));
+            let nearer = best.is_none_or(|b| distance.total_cmp(&b.distance).then(primitive.cmp(&b.primitive)).is_lt());
             if nearer {
                 *best = Some(Hit { distance, primitive, weights });
             }
@@ -179,13 +180,7 @@ impl Bvh {
 }
 
 /// Append the subtree over `order`, which begins at `offset` of the whole order.
-fn split(
-    bounds: &[Aabb],
-    centers: &[Vector3<f64>],
-    order: &mut [usize],
-    offset: usize,
-    nodes: &mut Vec<Node>,
-) {
+fn split(bounds: &[Aabb], centers: &[Vector3<f64>], order: &mut [usize], offset: usize, nodes: &mut Vec<Node>) {
     let index = nodes.len();
     let around = order.iter().fold(Aabb::EMPTY, |sum, &i| sum.union(&bounds[i]));
     if order.len() <= LEAF_SIZE {
@@ -196,9 +191,7 @@ fn split(
     let high = order.iter().fold(Aabb::EMPTY.high, |high, &i| high.sup(&centers[i]));
     let axis = (high - low).imax();
     let middle = order.len() / 2;
-    order.select_nth_unstable_by(middle, |&a, &b| {
-        centers[a][axis].total_cmp(&centers[b][axis]).then(a.cmp(&b))
-    });
+    order.select_nth_unstable_by(middle, |&a, &b| centers[a][axis].total_cmp(&centers[b][axis]).then(a.cmp(&b)));
     nodes.push(Node { bounds: around, start: 0, count: 0 });
     let (left, right) = order.split_at_mut(middle);
     split(bounds, centers, left, offset, nodes);

@@ -71,11 +71,7 @@ pub fn render(scene: &Scene<'_>, camera: &Camera) -> Result<Vec<u8>, Error> {
     }
     let linear = Matrix3::from_fn(|row, column| camera.matrix[4 * row + column]);
     if !camera.matrix.iter().all(|x| x.is_finite()) || linear.determinant() == 0.0 {
-        return Err(Error::value(
-            "camera",
-            "a finite matrix that can be inverted",
-            format!("{:?}", camera.matrix),
-        ));
+        return Err(Error::value("camera", "a finite matrix that can be inverted", format!("{:?}", camera.matrix)));
     }
     let shift = Vector3::from_fn(|row, _| camera.matrix[4 * row + 3]);
     // Rays run along z in the camera's frame, so the scene is moved there once. Spheres stay spheres.
@@ -101,8 +97,7 @@ pub fn render(scene: &Scene<'_>, camera: &Camera) -> Result<Vec<u8>, Error> {
     }
 
     let normals = normals::corner_normals(&vertices, &faces);
-    let mut primitives: Vec<Primitive> =
-        faces.iter().map(|f| Primitive::Triangle(f.map(|v| vertices[v]))).collect();
+    let mut primitives: Vec<Primitive> = faces.iter().map(|f| Primitive::Triangle(f.map(|v| vertices[v]))).collect();
     primitives.extend(centers.iter().zip(scene.radii).map(|(c, r)| Primitive::Sphere(*c, r * scale)));
     let front = vertices
         .iter()
@@ -144,12 +139,7 @@ pub fn render(scene: &Scene<'_>, camera: &Camera) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 /// A shape, an index or a direction that cannot be used; it is named.
-pub fn cast_rays(
-    vertices: &[f64],
-    faces: &[i64],
-    origins: &[f64],
-    directions: &[f64],
-) -> Result<Vec<f64>, Error> {
+pub fn cast_rays(vertices: &[f64], faces: &[i64], origins: &[f64], directions: &[f64]) -> Result<Vec<f64>, Error> {
     if origins.len() != directions.len() {
         return Err(Error::shape("directions", origins.len() / 3, directions.len() / 3));
     }
@@ -159,10 +149,8 @@ pub fn cast_rays(
     let points: Vec<_> = vectors(vertices).collect();
     let corners = triples("faces", faces, points.len())?;
     let bvh = Bvh::new(corners.iter().map(|f| Primitive::Triangle(f.map(|v| points[v]))).collect());
-    let rays: Vec<Ray> = vectors(origins)
-        .zip(vectors(directions))
-        .map(|(origin, direction)| Ray { origin, direction })
-        .collect();
+    let rays: Vec<Ray> =
+        vectors(origins).zip(vectors(directions)).map(|(origin, direction)| Ray { origin, direction }).collect();
     Ok(rays.par_iter().map(|ray| bvh.nearest(ray).map_or(f64::INFINITY, |hit| hit.distance)).collect())
 }
 

@@ -25,16 +25,15 @@ pub fn corner_normals(vertices: &[Vector3<f64>], faces: &[[usize; 3]]) -> Vec<[V
             *places.entry([v.x, v.y, v.z].map(|x| (x + 0.0).to_bits())).or_insert(next)
         })
         .collect();
-    let areas: Vec<Vector3<f64>> = faces
-        .iter()
-        .map(|f| (vertices[f[1]] - vertices[f[0]]).cross(&(vertices[f[2]] - vertices[f[0]])))
-        .collect();
-    let units: Vec<Vector3<f64>> =
-        areas.iter().map(|a| a.try_normalize(0.0).unwrap_or_else(Vector3::zeros)).collect();
+    let areas: Vec<Vector3<f64>> =
+        faces.iter().map(|f| (vertices[f[1]] - vertices[f[0]]).cross(&(vertices[f[2]] - vertices[f[0]]))).collect();
+    let units: Vec<Vector3<f64>> = areas.iter().map(|a| a.try_normalize(0.0).unwrap_or_else(Vector3::zeros)).collect();
 
     let mut starts = vec![0_usize; places.len() + 1];
     for face in faces {
-        face.iter().for_each(|&v| starts[place[v] + 1] += 1);
+        for &v in face {
+            starts[place[v] + 1] += 1;
+        }
     }
     for i in 1..starts.len() {
         starts[i] += starts[i - 1];

@@ -44,7 +44,7 @@ const OUTLINE_STEP: f64 = 3.0;
 const fn probes() -> [[f64; 2]; 24] {
     // Eight directions, turned by half a step from ring to ring: cosines of multiples of 22.5 degrees.
     const COSINES: [f64; 5] =
-        [1.0, 0.923_879_532_511_286_7, 0.707_106_781_186_547_6, 0.382_683_432_365_089_8, 0.0];
+        [1.0, 0.923_879_532_511_286_7, std::f64::consts::FRAC_1_SQRT_2, 0.382_683_432_365_089_8, 0.0];
     const fn cosine(step: usize) -> f64 {
         match step % 16 {
             s @ 0..=4 => COSINES[s],
@@ -120,10 +120,11 @@ impl Grid<'_> {
         self.samples[row * self.columns + column].as_ref()
     }
 
-    fn near(&self, column: usize, row: usize, right: isize, down: isize) -> Option<Option<&Sample>> {
+    /// Index of a neighbour, if it is in the picture.
+    fn near(&self, column: usize, row: usize, right: isize, down: isize) -> Option<usize> {
         let column = column.checked_add_signed(right).filter(|&c| c < self.columns)?;
         let row = row.checked_add_signed(down).filter(|&r| r < self.rows)?;
-        Some(self.at(column, row))
+        Some(row * self.columns + column)
     }
 
     /// 1 where nothing stands before the surface, less in corners (screen-space ambient occlusion, Mittring 2007).
@@ -131,10 +132,10 @@ impl Grid<'_> {
         let mut blocked = 0.0;
         for [right, down] in OCCLUSION_PROBES {
             let (right, down) = (right * reach * SUPERSAMPLING as f64, down * reach * SUPERSAMPLING as f64);
-            let Some(Some(other)) = self.near(column, row, right.round() as isize, down.round() as isize)
-            else {
+            let Some(index) = self.near(column, row, right.round() as isize, down.round() as isize) else {
                 continue;
             };
+            let Some(other) = &self.samples[index] else { continue };
             let step = SUPERSAMPLING as f64;
             let toward = Vector3::new(right.round() / step, down.round() / step, other.depth - sample.depth);
             let distance = toward.norm();
@@ -154,7 +155,7 @@ impl Grid<'_> {
         let mut left: f64 = 1.0;
         for (right, down) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
             let Some(neighbour) = self.near(column, row, right, down) else { continue };
-            left = left.min(match neighbour {
+            left = left.min(match &self.samples[neighbour] {
                 None => OUTLINE,
                 Some(other) if other.depth - sample.depth > OUTLINE_STEP + slope => OUTLINE,
                 Some(other) if sample.depth - other.depth > OUTLINE_STEP + slope => 1.0,

@@ -1,4 +1,4 @@
-#![allow(clippy::unwrap_used, clippy::expect_used)]
+#![allow(clippy::unwrap_used, clippy::float_cmp)]
 
 use super::*;
 
@@ -8,11 +8,7 @@ const BLUE: [u8; 3] = [0, 0, 200];
 /// A camera that sees x to the right and y down at `scale` pixels a unit, the origin in the middle.
 fn camera(size: usize, scale: f64) -> Camera {
     let half = size as f64 / 2.0;
-    Camera {
-        matrix: [scale, 0.0, 0.0, half, 0.0, scale, 0.0, half, 0.0, 0.0, scale, 0.0],
-        width: size,
-        height: size,
-    }
+    Camera { matrix: [scale, 0.0, 0.0, half, 0.0, scale, 0.0, half, 0.0, 0.0, scale, 0.0], width: size, height: size }
 }
 
 /// A square of half side `half` at depth `z`, as two triangles.
@@ -45,12 +41,8 @@ fn the_nearer_of_two_squares_hides_the_other_whatever_their_order() {
     let (vertices, mut faces, mut face_groups) = two_squares();
     let colors = [RED, BLUE].concat();
     for _ in 0..2 {
-        let scene = Scene {
-            vertices: &vertices,
-            faces: &faces,
-            face_groups: &face_groups,
-            ..spheres(&[], &[], &[], &colors)
-        };
+        let scene =
+            Scene { vertices: &vertices, faces: &faces, face_groups: &face_groups, ..spheres(&[], &[], &[], &colors) };
         let picture = render(&scene, &camera(100, 50.0)).unwrap();
         let pixel = |x: usize, y: usize| &picture[4 * (100 * y + x)..][..4];
         assert!(pixel(50, 50)[0] > 100 && pixel(50, 50)[2] < 60, "red in the middle: {:?}", pixel(50, 50));
@@ -134,8 +126,7 @@ fn smooth_surfaces_share_normals_and_creases_do_not() {
 #[test]
 fn bad_input_is_named() {
     let (vertices, faces) = square(1.0, 0.0);
-    let scene =
-        Scene { vertices: &vertices, faces: &faces, face_groups: &[0, 0], ..spheres(&[], &[], &[], &RED) };
+    let scene = Scene { vertices: &vertices, faces: &faces, face_groups: &[0, 0], ..spheres(&[], &[], &[], &RED) };
     let view = camera(10, 5.0);
     let message = |scene: Scene<'_>, view: Camera| render(&scene, &view).unwrap_err().to_string();
     assert!(message(scene, Camera { width: 0, ..view }).contains("width"));

@@ -29,9 +29,8 @@ pub struct Packed<'a> {
 
 /// Split off the next `len` numbers.
 fn take<'a>(name: &'static str, rest: &mut &'a [f64], len: usize) -> Result<&'a [f64], Error> {
-    let (head, tail) = rest
-        .split_at_checked(len)
-        .ok_or_else(|| Error::shape(name, format!("{len} more numbers"), rest.len()))?;
+    let (head, tail) =
+        rest.split_at_checked(len).ok_or_else(|| Error::shape(name, format!("{len} more numbers"), rest.len()))?;
     *rest = tail;
     Ok(head)
 }
@@ -68,9 +67,9 @@ impl<'a> Packed<'a> {
         ];
         match rests.iter().find(|(_, rest)| !rest.is_empty()) {
             None => Ok(inputs),
-            Some((name, rest)) => Err(Error::shape(name, "as many numbers as sizes say", {
-                format!("{} more", rest.len())
-            })),
+            Some((name, rest)) => {
+                Err(Error::shape(name, "as many numbers as sizes say", { format!("{} more", rest.len()) }))
+            }
         }
     }
 }
@@ -79,11 +78,7 @@ impl<'a> Packed<'a> {
 ///
 /// # Errors
 /// The index of the first pair that is not a problem, and why.
-pub fn solve_batch(
-    inputs: &[Input],
-    options: &Options,
-    threads: usize,
-) -> Result<Vec<Solution>, (usize, Error)> {
+pub fn solve_batch(inputs: &[Input], options: &Options, threads: usize) -> Result<Vec<Solution>, (usize, Error)> {
     let serial = || inputs.iter().map(|input| solve(input, options)).collect::<Vec<_>>();
     let parallel = || inputs.par_iter().map(|input| solve(input, options)).collect::<Vec<_>>();
     let results = if threads == 1 || inputs.len() == 1 {

@@ -102,16 +102,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// out += scale * A T B.
 #[allow(clippy::too_many_arguments)]
-fn add_sandwich(
-    scale: f64,
-    a: &[f64],
-    t: &[f64],
-    b: &[f64],
-    scratch: &mut [f64],
-    out: &mut [f64],
-    n: usize,
-    m: usize,
-) {
+fn add_sandwich(scale: f64, a: &[f64], t: &[f64], b: &[f64], scratch: &mut [f64], out: &mut [f64], n: usize, m: usize) {
     scratch.fill(0.0);
     add_product(1.0, a, t, scratch, n, m);
     add_product(scale, scratch, b, out, m, m);

@@ -1,6 +1,6 @@
 //! The terms of F at a plan, and the plan's place on a line search.
 
-use super::problem::{Entropy, Options, Problem};
+use super::problem::{Entropy, Loss, Options, Problem};
 
 /// p log(p / q) - p + q, with 0 log 0 = 0; q > 0.
 #[must_use]
@@ -43,14 +43,6 @@ impl Terms {
     pub fn em_objective(&self) -> f64 {
         self.objective() + self.prior
     }
-
-    /// Largest term: what rounding in F is relative to.
-    #[must_use]
-    pub fn magnitude(&self) -> f64 {
-        [self.structure, self.feature, self.marginal_source, self.marginal_target, self.entropy, self.prior]
-            .iter()
-            .fold(0.0, |top, x| top.max(x.abs()))
-    }
 }
 
 /// A plan with what F needs of it.
@@ -72,13 +64,7 @@ impl Point {
     /// An empty point of a problem's size.
     #[must_use]
     pub fn zeros(n: usize, m: usize) -> Self {
-        Self {
-            plan: vec![0.0; n * m],
-            u: vec![0.0; n],
-            v: vec![0.0; m],
-            gradient: vec![0.0; n * m],
-            entropy: 0.0,
-        }
+        Self { plan: vec![0.0; n * m], u: vec![0.0; n], v: vec![0.0; m], gradient: vec![0.0; n * m], entropy: 0.0 }
     }
 
     /// Recompute both marginals.
@@ -119,6 +105,8 @@ pub struct Objective<'a> {
     options: &'a Options,
     /// nu (m).
     pub nu: Vec<f64>,
+    // Largest loss of two structure entries: what the structure term's differences cancel from.
+    largest_loss: f64,
 }
 
 fn sum(x: &[f64]) -> f64 {
@@ -137,7 +125,23 @@ impl<'a> Objective<'a> {
     /// F at the starting target masses.
     #[must_use]
     pub fn new(problem: &'a Problem, options: &'a Options) -> Self {
-        Self { problem, options, nu: problem.nu.clone() }
+        let top = |x: &[f64]| x.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
+        let apart = top(&problem.source) + top(&problem.target);
+        let largest_loss = if options.loss == Loss::Square { apart * apart } else { apart };
+        Self { problem, options, nu: problem.nu.clone(), largest_loss }
+    }
+
+    /// What rounding in F at a plan is relative to: the numbers whose differences its terms are.
+    #[must_use]
+    pub fn magnitude(&self, point: &Point, terms: &Terms) -> f64 {
+        let o = self.options;
+        let mass = point.mass().max(sum(&self.problem.mu)).max(sum(&self.nu));
+        let finite = |tau: f64| if tau.is_finite() { tau } else { 0.0 };
+        let marginals = terms.marginal_source.abs() + terms.marginal_target.abs() + terms.entropy.abs();
+        terms.feature
+            + marginals
+            + (finite(o.tau_s) + finite(o.tau_t) + o.eps) * mass
+            + (1.0 - o.alpha) * self.largest_loss * point.mass() * point.mass()
     }
 
     /// Log of the rank-one reference: log R_ij = rows_i + cols_j.
@@ -145,10 +149,9 @@ impl<'a> Objective<'a> {
     pub fn log_reference(&self) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (self.problem.n, self.problem.m);
         match self.options.entropy {
-            Entropy::Relative => (
-                self.problem.mu.iter().map(|x| x.ln()).collect(),
-                self.nu.iter().map(|x| x.ln()).collect(),
-            ),
+            Entropy::Relative => {
+                (self.problem.mu.iter().map(|x| x.ln()).collect(), self.nu.iter().map(|x| x.ln()).collect())
+            }
             Entropy::Plain => (vec![-1.0; n], vec![0.0; m]),
             Entropy::Unit => (vec![0.0; n], vec![0.0; m]),
         }

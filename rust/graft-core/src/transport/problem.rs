@@ -145,11 +145,7 @@ fn numbers(name: &'static str, values: &[f64], len: usize, nonnegative: bool) ->
 
 fn masses(name: &'static str, values: &[f64], len: usize) -> Result<(), Error> {
     numbers(name, values, len, true)?;
-    if values.iter().sum::<f64>() > 0.0 {
-        Ok(())
-    } else {
-        Err(Error::value(name, "a positive total mass", 0))
-    }
+    if values.iter().sum::<f64>() > 0.0 { Ok(()) } else { Err(Error::value(name, "a positive total mass", 0)) }
 }
 
 fn pick(matrix: &[f64], width: usize, rows: &[usize], cols: &[usize]) -> Vec<f64> {

@@ -14,7 +14,7 @@ use crate::Error;
 const SWEEPS: usize = 2;
 
 /// Go on sweeping while the marginal residual exceeds this share of the plan's move.
-const RESIDUAL_SHARE: f64 = 0.05;
+const RESIDUAL_SHARE: f64 = 0.3;
 
 /// Sweeps for one linearisation at most.
 const MAX_SWEEPS: usize = 400;
@@ -25,8 +25,8 @@ const ARMIJO: f64 = 1e-4;
 /// Shortest step tried.
 const SHORTEST: f64 = 1e-7;
 
-/// Rounding allowed in comparisons of F, relative to its largest term.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Rounding allowed in comparisons of F, relative to [`Objective::magnitude`].
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// What a solve found, over all nodes of the caller; nodes left out have zeros.
 #[derive(Debug, Clone)]
@@ -135,10 +135,11 @@ fn difference(a: &Point, b: &Point) -> f64 {
 fn gain(cost: &[f64], objective: &Objective, at: &Point, to: &Point) -> f64 {
     let linear: f64 = cost.iter().zip(at.plan.iter().zip(&to.plan)).map(|(c, (a, t))| c * (a - t)).sum();
     let (before, after) = (objective.terms(at), objective.terms(to));
-    let gain = linear + (before.marginal_source - after.marginal_source)
+    let gain = linear
+        + (before.marginal_source - after.marginal_source)
         + (before.marginal_target - after.marginal_target)
         + (before.entropy - after.entropy);
-    let slack = ROUNDING * before.magnitude().max(after.magnitude());
+    let slack = ROUNDING * objective.magnitude(at, &before).max(objective.magnitude(to, &after));
     if gain.abs() <= slack { 0.0 } else { gain }
 }
 
@@ -154,11 +155,9 @@ fn step(
     let predicted = gain(cost, objective, at, to).max(0.0);
     let before = terms.objective();
     let mut next = objective.terms(to);
-    let allowed = |s: f64, next: &Terms| {
-        let slack = ROUNDING * terms.magnitude().max(next.magnitude());
-        // False for NaN.
-        next.objective() <= before - ARMIJO * s * predicted + slack
-    };
+    let slack = ROUNDING * objective.magnitude(at, terms);
+    // False for NaN.
+    let allowed = |s: f64, next: &Terms| next.objective() <= before - ARMIJO * s * predicted + slack;
     let mut s = 1.0;
     if allowed(s, &next) {
         std::mem::swap(at, to);
@@ -227,9 +226,8 @@ fn make_feasible(problem: &Problem, options: &Options, nu: &[f64], point: &mut P
         }
         point.sum();
     }
-    let missing = |want: &[f64], have: &[f64]| -> Vec<f64> {
-        want.iter().zip(have).map(|(w, h)| (w - h).max(0.0)).collect()
-    };
+    let missing =
+        |want: &[f64], have: &[f64]| -> Vec<f64> { want.iter().zip(have).map(|(w, h)| (w - h).max(0.0)).collect() };
     // Where one side only is fixed, only rows or columns that had no mass at all still miss theirs: spread it.
     let rows = if fix_rows { missing(&problem.mu, &point.u) } else { problem.mu.clone() };
     let cols = if fix_cols { missing(nu, &point.v) } else { nu.to_vec() };

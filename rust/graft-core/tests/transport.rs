@@ -1,0 +1,95 @@
+//! Laws of the transport solver over random problems.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use graft_core::transport::batch::{Packed, solve_batch};
+use graft_core::transport::{Entropy, Input, Loss, Options, solve};
+use proptest::prelude::*;
+
+fn options() -> Options {
+    Options {
+        alpha: 0.5,
+        tau_s: 1.0,
+        tau_t: 1.0,
+        eps: 0.05,
+        loss: Loss::Square,
+        entropy: Entropy::Relative,
+        em_rate: None,
+        tol: 1e-6,
+        max_outer: 200,
+    }
+}
+
+/// M, A, B, mu, nu.
+#[derive(Debug, Clone)]
+struct Pair([Vec<f64>; 5]);
+
+impl Pair {
+    fn input(&self) -> Input<'_> {
+        let [features, source, target, source_mass, target_mass] = &self.0;
+        Input { features, source, target, source_mass, target_mass, prior: None, start: None }
+    }
+}
+
+fn pair() -> impl Strategy<Value = Pair> {
+    (1_usize..7, 1_usize..7, prop::sample::select(vec![0.1, 1.0, 100.0])).prop_flat_map(|(n, m, scale)| {
+        let numbers = |len| prop::collection::vec(0.01..1.0, len);
+        (numbers(n * m), numbers(n * n), numbers(m * m), numbers(n), numbers(m)).prop_map(
+            move |(features, mut source, mut target, mu, nu)| {
+                source.iter_mut().chain(&mut target).for_each(|x| *x *= scale);
+                Pair([features, source, target, mu, nu])
+            },
+        )
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn em_descends_and_stays_finite(pair in pair(), alpha in 0.0..=1.0, tau in 1e-3..10.0, eps in 1e-4..1.0) {
+        let options = Options { alpha, tau_s: tau, eps, em_rate: Some(0.4), max_outer: 40, ..options() };
+        let solution = solve(&pair.input(), &options).unwrap();
+        prop_assert!(solution.plan.iter().all(|t| t.is_finite() && *t >= 0.0));
+        // The structure term is a difference of losses up to (2 * 100)^2 at masses up to 7.
+        let rounding = 1e-12 * (solution.history[0].abs() + 4e4 * 49.0);
+        for step in solution.history.windows(2) {
+            prop_assert!(step[1] <= step[0] + rounding, "{step:?}");
+        }
+    }
+
+    #[test]
+    fn a_constant_added_to_both_structures_changes_nothing(pair in pair()) {
+        let mut shifted = pair.clone();
+        for k in [1, 2] {
+            shifted.0[k].iter_mut().for_each(|x| *x += 0.5);
+        }
+        let once = Options { max_outer: 1, ..options() };
+        let (a, b) = (solve(&pair.input(), &once).unwrap(), solve(&shifted.input(), &once).unwrap());
+        let (x, y) = (a.terms.objective(), b.terms.objective());
+        prop_assert!((x - y).abs() <= 1e-6 * (1.0 + x.abs()), "{x} {y}");
+    }
+}
+
+#[test]
+fn a_batch_says_which_array_its_sizes_contradict() {
+    let data = Packed {
+        sizes: &[(1, 1), (1, 2)],
+        features: &[1.0; 3],
+        source: &[0.0; 2],
+        target: &[0.0; 4],
+        source_mass: &[1.0; 2],
+        target_mass: &[1.0; 3],
+        prior: None,
+        start: None,
+    };
+    let error = data.inputs().unwrap_err().to_string();
+    assert_eq!(error, "B: expected 4 more numbers, got 3");
+    let target = [0.0; 6];
+    let error = Packed { target: &target, ..data }.inputs().unwrap_err().to_string();
+    assert_eq!(error, "B: expected as many numbers as sizes say, got 1 more");
+    let fitting = Packed { target: &target[..5], ..data };
+    let inputs = fitting.inputs().unwrap();
+    assert_eq!(solve_batch(&inputs, &options(), 2).unwrap().len(), 2);
+    let (pair, error) = solve_batch(&inputs, &Options { eps: 0.0, ..options() }, 2).unwrap_err();
+    assert_eq!((pair, error.to_string().as_str()), (0, "eps: expected a finite number > 0, got 0"));
+}
