@@ -22,9 +22,7 @@ CUT = 0.3
 
 
 def soup(triangles):
-    return PartSurface.of(
-        Part("soup", triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
-    )
+    return PartSurface.of(Part("soup", triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)))
 
 
 def test_samples_share_the_area():
@@ -69,9 +67,7 @@ def test_blur_is_the_plain_double_sum():
 
 def test_blur_out_of_reach_takes_the_nearest():
     surface = Surface(np.array([[0.0, 0, 0], [10.0, 0, 0]]), np.array([0.5, 0.5]), np.array([0, 1]))
-    assert_allclose(
-        blur(surface, np.array([2.0, 5.0]), 0.01, np.array([[4.0, 0, 0], [6.0, 0, 0]])), [2.0, 5.0]
-    )
+    assert_allclose(blur(surface, np.array([2.0, 5.0]), 0.01, np.array([[4.0, 0, 0], [6.0, 0, 0]])), [2.0, 5.0])
 
 
 def test_nss_deep_inside_a_small_blur():

@@ -12,18 +12,13 @@ DIAGONAL = 4.4
 
 def surface_area(obj):
     corners = np.concatenate([part.vertices[part.faces] for part in obj.parts])
-    return (
-        np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-        / 2
-    )
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
 
 
 def forked():
     """A hammer with a second head, so that there are two parts of one kind to merge."""
     base = hammer("forked")
-    claw = base.parts[0].transformed(
-        np.array([[1, 0, 0, 0.8], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], float)
-    )
+    claw = base.parts[0].transformed(np.array([[1, 0, 0, 0.8], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], float))
     return PartObject(
         "forked", (*base.parts, Part("claw", claw.vertices, claw.faces)), graspable=(1,), category="hammer"
     )

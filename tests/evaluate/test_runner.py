@@ -12,7 +12,7 @@ from graft.evaluate.affordance import methods, pictured, worst
 from graft.evaluate.baselines import RandomPart
 from graft.evaluate.methods import Graft, Graphs, Prediction
 from graft.evaluate.protocols import Posing, from_objects
-from graft.evaluate.runner import evaluate, fit
+from graft.evaluate.runner import build_graphs, evaluate
 from graft.library import Library
 from graft.transport import UFGW
 
@@ -47,9 +47,7 @@ def test_graft_is_the_library(benchmark, rows):
     for query in benchmark.queries:
         allowed = {benchmark.sources[i].demonstration.name for i in query.sources}
         target = benchmark.subjects[query.target].object
-        expected = [
-            m.demonstration.name for m in library.retrieve(target, 2, where=lambda d, a=allowed: d.name in a)
-        ]
+        expected = [m.demonstration.name for m in library.retrieve(target, 2, where=lambda d, a=allowed: d.name in a)]
         row = next(row for row in rows if row.query == query.key and row.method == "graft")
         assert [answer.source for answer in row.answers] == expected
 
@@ -145,7 +143,8 @@ def test_worst_are_outside_then_weak(benchmark, rows):
 
 def test_pictures_show_what_the_rows_say(benchmark, rows):
     mine = worst([row for row in rows if row.method == "graft"], 2)
-    transfers = pictured(benchmark, fit(benchmark, Graft()), mine)
+    (graphs,) = build_graphs(benchmark, [Graphs()], workers=2)
+    transfers = pictured(benchmark, Graft().fit(benchmark, graphs), mine)
     for row, transfer in zip(mine, transfers, strict=True):
         assert transfer.match.target.object.name == row.target
         assert transfer.match.demonstration.name == row.answers[0].source

@@ -30,7 +30,7 @@ from graft.evaluate.methods import Graft, Method
 from graft.evaluate.protocols import Benchmark, Posing, from_objects, load_objects, paper
 from graft.evaluate.report import QUOTED, Summary, by_category, coverage_curve, document, summarise
 from graft.evaluate.rows import Row
-from graft.evaluate.runner import Progress, evaluate, fit
+from graft.evaluate.runner import Progress, build_graphs, evaluate
 from graft.viz import save_scene, save_sheet
 
 WORST = 24
@@ -188,7 +188,8 @@ def _draw(asked: Asked, benchmark: Benchmark, rows: Sequence[Row], progress: Pro
         return
     method = Graft()
     bad = worst([row for row in rows if row.method == method.name], WORST)
-    transfers = pictured(benchmark, fit(benchmark, method, workers=asked.workers, progress=progress), bad)
+    (graphs,) = build_graphs(benchmark, [method.graphs], workers=asked.workers, progress=progress)
+    transfers = pictured(benchmark, method.fit(benchmark, graphs), bad)
     save_sheet(asked.out / "worst.png", transfers)
     save_scene(asked.out / "worst.html", transfers[:WORST_ON_PAGE])
 

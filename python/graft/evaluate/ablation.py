@@ -35,9 +35,7 @@ class RootAnchored:
 
     solver: UFGW = field(default_factory=UFGW)
 
-    def batch(
-        self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph
-    ) -> list[Transport]:
+    def batch(self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph) -> list[Transport]:
         """Match many sources against one target, in order."""
         solver = self.solver
         features = solver.features(sources, target)

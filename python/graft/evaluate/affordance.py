@@ -40,9 +40,7 @@ def worst(rows: Sequence[Row], count: int) -> list[Row]:
     return sorted(answered, key=lambda row: (-row.answers[0].distance, row.answers[0].nss))[:count]
 
 
-def pictured(
-    benchmark: Benchmark, predictor: GraftPredictor, rows: Sequence[Row]
-) -> list[TransferredContact]:
+def pictured(benchmark: Benchmark, predictor: GraftPredictor, rows: Sequence[Row]) -> list[TransferredContact]:
     """Return the best-ranked transfers of rows of graft, to be drawn."""
     queries = {query.key: query for query in benchmark.queries}
     return [predictor.transfers(queries[row.query], 1)[0] for row in rows]

@@ -49,9 +49,7 @@ def bootstrap_mean(
         InputError: No values, or as many targets as there are not values.
     """
     if len(values) == 0 or len(values) != len(targets):
-        raise InputError(
-            f"values: expected as many as targets ({len(targets)}) and at least one, got {len(values)}"
-        )
+        raise InputError(f"values: expected as many as targets ({len(targets)}) and at least one, got {len(values)}")
     numbers = {target: i for i, target in enumerate(dict.fromkeys(targets))}
     group = np.array([numbers[target] for target in targets])
     sums = np.bincount(group, weights=np.asarray(values, np.float64))

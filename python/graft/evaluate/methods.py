@@ -98,9 +98,7 @@ class Method(Protocol):
 class Solver(Protocol):
     """Matches many sources against one target; `graft.transport.UFGW` is one."""
 
-    def batch(
-        self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph
-    ) -> list[Transport]:
+    def batch(self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph) -> list[Transport]:
         """Return one transport per source, in order."""
         ...
 

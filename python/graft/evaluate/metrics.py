@@ -212,9 +212,7 @@ class GraspableMask:
     deviation: float
 
     @classmethod
-    def of(
-        cls, obj: PartObject, diagonal: float, *, count: int = SURFACE_POINTS, seed: int = 0
-    ) -> GraspableMask:
+    def of(cls, obj: PartObject, diagonal: float, *, count: int = SURFACE_POINTS, seed: int = 0) -> GraspableMask:
         """Blur the mask of `obj`.
 
         Raises:

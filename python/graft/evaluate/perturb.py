@@ -103,8 +103,7 @@ def _neighbours(obj: PartObject, diagonal: float) -> list[tuple[int, int]]:
     """Return the pairs of parts whose surfaces come closer than `SHIFT` of the diagonal."""
     surface = sample_surface(obj, CONTACT_SAMPLES)
     trees = [
-        cKDTree(surface.points[surface.part == i]) if (surface.part == i).any() else None
-        for i in range(len(obj.parts))
+        cKDTree(surface.points[surface.part == i]) if (surface.part == i).any() else None for i in range(len(obj.parts))
     ]
     pairs = []
     for i, first in enumerate(trees):
@@ -112,7 +111,7 @@ def _neighbours(obj: PartObject, diagonal: float) -> list[tuple[int, int]]:
             second = trees[j]
             if first is None or second is None:
                 continue
-            if first.query(second.data)[0].min() < SHIFT * diagonal:
+            if np.min(first.query(second.data)[0]) < SHIFT * diagonal:
                 pairs.append((i, j))
     return pairs
 
@@ -144,7 +143,7 @@ def _shifted(obj: PartObject, elements: _Elements, diagonal: float, rng: Generat
     taker, giver = rng.permutation(pairs[int(rng.integers(len(pairs)))])
     rows = np.flatnonzero(elements.owner == giver)
     tree = cKDTree(elements.centers[elements.owner == taker])
-    away = tree.query(elements.centers[rows])[0]
+    away = np.asarray(tree.query(elements.centers[rows])[0])
     move = rng.uniform(0.0, SHIFT) + RAGGED * rng.standard_normal(len(rows))
     owner = elements.owner.copy()
     # Distances are taken from the nearest element there is, so that a coarse mesh's boundary moves as well.

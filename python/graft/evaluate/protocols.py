@@ -12,6 +12,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -183,15 +184,11 @@ def load_objects(where: str | Path) -> list[PartObject]:
         if len(obj.graspable) > 0
     ]
     if not objects:
-        raise InputError(
-            "expected folders with an object.json that lists graspable_parts, got none", path=folder
-        )
+        raise InputError("expected folders with an object.json that lists graspable_parts, got none", path=folder)
     return objects
 
 
-def paper(
-    posing: Posing, *, variants: int = 12, demonstrations: int = 1, limit: int | None = None
-) -> Benchmark:
+def paper(posing: Posing, *, variants: int = 12, demonstrations: int = 1, limit: int | None = None) -> Benchmark:
     """Return the paper's protocol on the zoo: demonstrated categories answer for the unseen ones.
 
     Args:
@@ -216,9 +213,7 @@ def paper(
         posing=posing,
         subjects=tuple(subject for subject, _ in posed + targets),
         sources=sources,
-        queries=tuple(
-            Query(subject.key, len(posed) + i, everything) for i, (subject, _) in enumerate(targets)
-        ),
+        queries=tuple(Query(subject.key, len(posed) + i, everything) for i, (subject, _) in enumerate(targets)),
     )
 
 
@@ -268,9 +263,9 @@ def from_objects(
             for i in among(target, lambda subject: subject in heads)
         ]
     elif protocol in ("leave-category-out", "within-category"):
-        same = protocol == "within-category"
+        wanted = protocol == "within-category"
         queries = [
-            Query(names[t], t, among(t, lambda s, t=t: (kinds[s] == kinds[t]) == same)) for t in chosen
+            Query(names[target], target, among(target, partial(_same_kind, kinds, wanted, target))) for target in chosen
         ]
     else:
         raise InputError(f"protocol: expected one of {', '.join(PROTOCOLS[1:])}, got {protocol!r}")
@@ -278,6 +273,11 @@ def from_objects(
     if not queries:
         raise InputError(f"{protocol}: no target has a source it may be answered from")
     return Benchmark(protocol, posing, subjects, sources, tuple(queries))
+
+
+def _same_kind(kinds: Sequence[str], wanted: bool, target: int, subject: int) -> bool:
+    """Tell whether two objects are of one category, or, where that is not wanted, of two."""
+    return (kinds[subject] == kinds[target]) == wanted
 
 
 def _sources(posed: Iterable[tuple[Subject, list[Demonstration]]]) -> tuple[Source, ...]:

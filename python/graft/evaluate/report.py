@@ -93,9 +93,7 @@ def coverage_curve(rows: Sequence[Row]) -> list[tuple[float, float]]:
     sure = [-np.inf if answer.confidence is None else answer.confidence for answer in firsts]
     right = np.array([firsts[i].right for i in np.argsort(-np.array(sure), kind="stable")], np.float64)
     counts = [max(1, round(coverage * len(right))) for coverage in COVERAGES]
-    return [
-        (coverage, float(right[:count].mean())) for coverage, count in zip(COVERAGES, counts, strict=True)
-    ]
+    return [(coverage, float(right[:count].mean())) for coverage, count in zip(COVERAGES, counts, strict=True)]
 
 
 def document(

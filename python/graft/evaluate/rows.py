@@ -116,9 +116,7 @@ class Book:
         found = _parsed(path, 1, whole[0])
         if found != header:
             other = next((key for key in header if found.get(key) != header[key]), "format")
-            raise InputError(
-                f"rows made with another {other}; choose another --out or remove the file", path=path
-            )
+            raise InputError(f"rows made with another {other}; choose another --out or remove the file", path=path)
         for number, line in enumerate(whole[1:], start=2):
             try:
                 rows = [Row.read(document) for document in _parsed(path, number, line)["rows"]]

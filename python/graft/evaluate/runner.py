@@ -19,7 +19,7 @@ import numpy as np
 
 import graft
 from graft.errors import InputError
-from graft.evaluate.methods import Method, Predictor
+from graft.evaluate.methods import Graphs, Method, Predictor
 from graft.evaluate.metrics import GraspableMask
 from graft.evaluate.protocols import Benchmark, stream
 from graft.evaluate.rows import ROWS, Answer, Book, Row, code_fingerprint, digest
@@ -158,32 +158,30 @@ def evaluate(
     return [row for key in keys for row in done[key]]
 
 
-def fit(
-    benchmark: Benchmark, method: Method, *, workers: int = 1, progress: Progress = lambda *_: None
-) -> Predictor:
-    """Return a method's predictor for a benchmark, to ask it for more than rows (pictures)."""
-    return _fitted(benchmark, [method], 1, workers, progress).predictors[0]
-
-
-def _fitted(
-    benchmark: Benchmark, methods: Sequence[Method], k: int, workers: int, progress: Progress
-) -> _Job:
-    """Build the part graphs that the methods read, each once, and fit the methods."""
-    settings = list(dict.fromkeys(method.graphs for method in methods))
-    graphs: list[tuple[PartGraph, ...]] = []
+def build_graphs(
+    benchmark: Benchmark,
+    settings: Sequence[Graphs],
+    *,
+    workers: int = 1,
+    progress: Progress = lambda *_: None,
+) -> list[tuple[PartGraph, ...]]:
+    """Build the part graphs of all objects of a benchmark, for each of some settings."""
+    everything = [(setting, subject.object) for setting in settings for subject in benchmark.subjects]
+    built = []
     # Threads suffice: building a graph is the core's work, done without the interpreter's lock.
     with ThreadPoolExecutor(workers) as pool:
-        for setting in settings:
-            built = []
-            for graph in pool.map(setting.build, [subject.object for subject in benchmark.subjects]):
-                built.append(graph)
-                progress(
-                    "part graphs",
-                    len(built) + len(graphs) * len(benchmark.subjects),
-                    len(settings) * len(benchmark.subjects),
-                )
-            graphs.append(tuple(built))
-    predictors = tuple(method.fit(benchmark, graphs[settings.index(method.graphs)]) for method in methods)
+        for graph in pool.map(lambda pair: pair[0].build(pair[1]), everything):
+            built.append(graph)
+            progress("part graphs", len(built), len(everything))
+    size = len(benchmark.subjects)
+    return [tuple(built[i * size : (i + 1) * size]) for i in range(len(settings))]
+
+
+def _fitted(benchmark: Benchmark, methods: Sequence[Method], k: int, workers: int, progress: Progress) -> _Job:
+    """Build the part graphs that the methods read, each once, and fit the methods."""
+    settings = list(dict.fromkeys(method.graphs for method in methods))
+    graphs = dict(zip(settings, build_graphs(benchmark, settings, workers=workers, progress=progress), strict=True))
+    predictors = tuple(method.fit(benchmark, graphs[method.graphs]) for method in methods)
     return _Job(benchmark, tuple(methods), predictors, k)
 
 
@@ -209,7 +207,5 @@ def _header(benchmark: Benchmark, methods: Sequence[Method], k: int) -> dict[str
         "parameters": digest(repr(list(methods)).encode()),
         "k": k,
         "queries": digest(json.dumps([[q.key, q.target, q.sources] for q in benchmark.queries]).encode()),
-        "objects": digest(
-            *(b"%s%s" % (s.key.encode(), s.truth.bounds.tobytes()) for s in benchmark.subjects)
-        ),
+        "objects": digest(*(b"%s%s" % (s.key.encode(), s.truth.bounds.tobytes()) for s in benchmark.subjects)),
     }

@@ -84,16 +84,14 @@ def _principal(points: Floats) -> tuple[Floats, Floats, float]:
     return axes, center, max(radius, np.finfo(float).tiny)
 
 
-def _stepped(
-    source: Floats, target: Floats, tree: cKDTree, transform: Floats, steps: int
-) -> tuple[float, Floats]:
+def _stepped(source: Floats, target: Floats, tree: cKDTree, transform: Floats, steps: int) -> tuple[float, Floats]:
     """Return the error after so many steps, and the transform then."""
     kept = max(4, int(TRIM * len(source)))
     for _ in range(steps):
         distances, nearest = tree.query(source @ transform[:3, :3].T + transform[:3, 3])
         best = np.argpartition(distances, kept - 1)[:kept]
-        transform = rigid(source[best], target[nearest[best]])
+        transform = rigid(source[best], target[np.asarray(nearest)[best]])
     moved = source @ transform[:3, :3].T + transform[:3, 3]
-    there, back = tree.query(moved)[0], cKDTree(moved).query(target)[0]
-    errors = [np.square(np.sort(d)[: max(4, int(TRIM * len(d)))]).mean() for d in (there, back)]
+    both = (np.sort(tree.query(moved)[0]), np.sort(cKDTree(moved).query(target)[0]))
+    errors = [np.square(apart[: max(4, int(TRIM * len(apart)))]).mean() for apart in both]
     return float(np.sqrt(np.mean(errors))), transform

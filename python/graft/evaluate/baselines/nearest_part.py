@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.random import Generator
@@ -43,9 +44,7 @@ class NearestMoments:
     def fit(self, benchmark: Benchmark, graphs: Sequence[PartGraph]) -> _Nearest:
         """Describe every part."""
         sizes = [len(graph.points) for graph in graphs]
-        rows = standardised(
-            np.array([_moments(graph, i) for graph in graphs for i in range(len(graph.points))])
-        )
+        rows = standardised(np.array([_moments(graph, i) for graph in graphs for i in range(len(graph.points))]))
         features = np.split(rows, np.cumsum(sizes)[:-1])
         return _Nearest(benchmark.sources, tuple(graphs), tuple(features), "euclidean")
 
@@ -87,7 +86,7 @@ class _Nearest:
     sources: tuple[Source, ...]
     graphs: tuple[PartGraph, ...]
     features: tuple[Floats, ...]
-    metric: str
+    metric: Literal["euclidean", "cosine"]
     middles: dict[tuple[int, int], Floats] = field(default_factory=dict)
 
     def predict(self, query: Query, k: int, rng: Generator) -> list[Prediction]:

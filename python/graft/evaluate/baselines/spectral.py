@@ -89,7 +89,7 @@ class Spectrum:
         step = max(1, len(surface.points) // SAMPLES)
         points, part = surface.points[::step], surface.part[::step]
         near = min(NEIGHBOURS + 1, len(points))
-        lengths, neighbours = cKDTree(points).query(points, k=near)
+        lengths, neighbours = map(np.asarray, cKDTree(points).query(points, k=near))
         width = max(float(np.median(lengths[:, -1])), np.finfo(float).tiny)
         rows, columns = np.repeat(np.arange(len(points)), near - 1), neighbours[:, 1:].ravel()
         kernel = np.exp(-np.square(lengths[:, 1:].ravel() / width))
@@ -97,9 +97,7 @@ class Spectrum:
         weights = weights.maximum(weights.T)
         degree = diags_array(1.0 / np.sqrt(np.maximum(weights.sum(axis=1), np.finfo(float).tiny)))
         laplacian = eye_array(len(points)) - degree @ weights @ degree
-        values, functions = eigsh(
-            laplacian.tocsc(), min(MODES, len(points) - 1), sigma=-SHIFT, v0=np.ones(len(points))
-        )
+        values, functions = eigsh(laplacian.tocsc(), min(MODES, len(points) - 1), sigma=-SHIFT, v0=np.ones(len(points)))
         order = np.argsort(values, kind="stable")
         values, functions = values[order], functions[:, order]
         values = np.maximum(values, 0.0) / max(float(values.mean()), np.finfo(float).tiny)
@@ -156,8 +154,6 @@ class _Spectra:
             there = target.functions * np.sqrt(len(target.points))
             best = int(cdist(mapped[None], there)[0].argmin())
             predictions.append(
-                Prediction(
-                    target.points[best], int(target.part[best]), query.sources[row], -float(distances[row])
-                )
+                Prediction(target.points[best], int(target.part[best]), query.sources[row], -float(distances[row]))
             )
         return predictions
