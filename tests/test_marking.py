@@ -131,3 +131,13 @@ def test_refusals():
             mark_contact(obj, "handle", point)
     with pytest.raises(InputError, match="approach"):
         mark_contact(obj, "handle", approach=(0, 0, 0))
+
+
+def test_the_middle_of_a_handle_that_points_away_from_the_object():
+    head = part_of(trimesh.creation.box((0.1, 0.03, 0.03)), "head")
+    bar = trimesh.creation.cylinder(radius=0.012, height=0.12).subdivide()
+    bar.apply_translation((0.01, 0, -0.075))
+    obj = PartObject("hammer", (head, part_of(bar)))
+    contact = mark_contact(obj, "handle").contact
+    assert contact.point[2] == pytest.approx(-0.075, abs=0.006)
+    assert abs(contact.normal[2]) < 0.1

@@ -3,6 +3,22 @@
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "__version__",
+    "box_gaps",
+    "cast_rays",
+    "convex_hull",
+    "describe_parts",
+    "descriptor_dim",
+    "edge_lengths",
+    "feature_costs",
+    "oriented_box",
+    "part_adjacency",
+    "part_geometry",
+    "part_hops",
+    "render_scene",
+    "ufgw_batch",
+]
 __version__: str
 
 # geometry

@@ -171,7 +171,7 @@ def source_mass(graph: PartGraph, part: int | str, gamma: float = SALIENCY) -> F
     if not 0 < gamma <= 1:
         raise InputError(f"gamma: expected 0 < gamma <= 1, got {gamma}")
     hops = _core.part_hops(graph.adjacency, graph.object.part_index(part))
-    return _shares(gamma**hops * _relative_volumes(graph))
+    return _shares(gamma ** hops.astype(np.float64) * _relative_volumes(graph))
 
 
 def target_prior(graph: PartGraph) -> Floats:
@@ -188,7 +188,8 @@ def _shares(mass: Floats) -> Floats:
 def _relative_volumes(graph: PartGraph) -> Floats:
     """Return (n,) box volumes over the largest, which keeps tiny and huge units in range."""
     volumes: Floats = (graph.half_extents / graph.diagonal).prod(axis=1)
-    return volumes / volumes.max()
+    relative: Floats = volumes / volumes.max()
+    return relative
 
 
 def _measure(

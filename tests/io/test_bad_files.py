@@ -76,7 +76,7 @@ def test_empty(tmp_path, suffix):
         ("a.xml", b"<scene/>", r"expected <mujoco> or <robot>, got <scene>"),
         ("a.xml", b'<?xml version="1.0"?>\n<!DOCTYPE r [<!ENTITY a "b">]>\n<robot/>', r"line 2: a DOCTYPE"),
         ("a.xyz", b"\xff\xfe\x00", r"line 1"),
-        ("a.step", b"ISO-10303", r"unknown suffix '.step': the known ones are .glb, .gltf, .obj"),
+        ("a.step", b"ISO-10303", r"unknown suffix '.step': the known ones are .dae, .glb, .gltf, .obj"),
         ("cup", b"?", r"unknown suffix ''"),
     ],
 )
@@ -311,3 +311,23 @@ def test_references(tmp_path):
     for reference in ("../../a", "", "a\0b", "http://x/a", "//server/a"):
         with pytest.raises(InputError, match=r"a.urdf"):
             resolve_inside(reference, root=tmp_path, base=tmp_path / "urdf", path="a.urdf")
+
+
+def test_a_choice_of_parts_that_the_format_has_not(tmp_path):
+    (tmp_path / "cup.ply").write_bytes(PLY)
+    for path, match in ((tmp_path / "cup.ply", r"not for meshes"), (tmp_path, r"neither is here")):
+        with pytest.raises(InputError, match=match):
+            load_object(path, parts="links")
+    (tmp_path / "a.xml").write_text("<mujoco/>")
+    with pytest.raises(InputError, match=r"a.xml: parts: MJCF has bodies or geoms, got 'links'"):
+        load_object(tmp_path, parts="links")
+    (tmp_path / "b.urdf").write_text("<robot/>")
+    with pytest.raises(InputError, match=r"b.urdf: parts: URDF has links or visuals, got 'geoms'"):
+        load_object(tmp_path / "b.urdf", parts="geoms")
+    refused(tmp_path, r"several robot files, name one: a.xml, b.urdf")
+
+
+def test_several_clouds_in_a_folder(tmp_path):
+    for name in ("a.txt", "b.xyz"):
+        (tmp_path / name).write_text("0 0 0\n")
+    refused(tmp_path, r"several point clouds, name one: a.txt, b.xyz")

@@ -193,7 +193,7 @@ def test_millimetres_are_noticed_and_nothing_is_rescaled(tmp_path, body):
 
 
 def test_read_mesh_knows_its_suffixes(tmp_path, body):
-    assert set(MESH_SUFFIXES) == {".glb", ".gltf", ".obj", ".off", ".ply", ".stl"}
+    assert set(MESH_SUFFIXES) == {".dae", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"}
     (tmp_path / "CUP.STL").write_bytes(body.stl())
     [piece] = read_mesh(tmp_path / "CUP.STL")
     assert piece.name == "CUP"

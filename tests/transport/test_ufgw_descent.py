@@ -88,3 +88,10 @@ def test_giving_up_is_said():
     found = ufgw(*make_pair(5).data, max_outer=1, tol=1e-12)
     assert not found.converged
     assert found.n_iters == 1
+
+
+def test_masses_that_underflow_leave_the_objective_finite():
+    pair = make_pair(25, 2, 5, mass=1e3, symmetric=False)
+    options = {"alpha": 0.0, "tau_t": 1e-3, "eps": 1e-4, "loss": "absolute"}
+    found = ufgw(*pair.data, **options, max_outer=30, history=True)
+    check(found, pair, **options)

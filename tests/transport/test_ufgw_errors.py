@@ -37,7 +37,10 @@ BAD = [
     ({"prior": np.ones(3), "em_rate": 0.4}, r"^prior: expected numbers of shape \(4,\), got shape \(3,\)$"),
     ({"prior": -np.ones(4), "em_rate": 0.4}, r"^prior: expected finite numbers >= 0, got -1"),
     ({"start": -np.ones((5, 4))}, r"^start: expected finite numbers >= 0, got -1"),
-    ({"nu": np.ones(4), "tau_s": np.inf, "tau_t": np.inf}, r"^nu: expected mu's total .* both tau are inf, got"),
+    (
+        {"nu": np.ones(4), "tau_s": np.inf, "tau_t": np.inf},
+        r"^nu: expected mu's total .* both tau are inf, got",
+    ),
 ]
 
 

@@ -58,8 +58,8 @@ def test_nodes_without_mass_change_nothing_and_carry_nothing(options):
     found = ufgw(pair.M, pair.A, pair.B, mu, nu, **TIGHT, **options)
     rows, cols = [0, 1, 3, 4], [1, 2, 3]
     small = ufgw(
-        pair.M[np.ix_(rows, cols)], pair.A[np.ix_(rows, rows)], pair.B[np.ix_(cols, cols)], mu[rows], nu[cols],
-        **TIGHT, **options,
+        pair.M[np.ix_(rows, cols)], pair.A[np.ix_(rows, rows)], pair.B[np.ix_(cols, cols)],
+        mu[rows], nu[cols], **TIGHT, **options,
     )  # fmt: skip
     np.testing.assert_array_equal(found.plan[2], 0.0)
     np.testing.assert_array_equal(found.plan[:, 0], 0.0)

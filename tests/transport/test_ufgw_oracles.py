@@ -109,7 +109,8 @@ KKT = [
 @pytest.mark.parametrize("options", KKT, ids=str)
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_fixed_points_satisfy_the_optimality_conditions(options, symmetric):
-    """T = R exp((f + g - C(T)) / eps) with C by brute force, T1 = mu exp(-f / tau_s), T'1 = nu exp(-g / tau_t)."""
+    """T = R exp((f + g - C(T)) / eps) with C by brute force, T1 = mu exp(-f / tau_s), T'1 = nu exp(-g /
+    tau_t)."""
     pair = make_pair(6, 4, 5, symmetric=symmetric)
     found = ufgw(*pair.data, **TIGHT, **options)
     assert found.converged

@@ -79,7 +79,8 @@ def objective(pair, T, nu=None, *, alpha=0.5, tau_s=1.0, tau_t=1.0, eps=0.05, lo
 
 
 def linearised(pair, T, *, alpha=0.5, loss="square"):
-    """Return C = (1-alpha) C_GW(T) + alpha M, C_GW by central differences of the four loops (exact: quadratic)."""
+    """Return C = (1-alpha) C_GW(T) + alpha M, C_GW by central differences of the four loops (exact:
+    quadratic)."""
     gradient = np.empty_like(T)
     for index in np.ndindex(T.shape):
         step = np.zeros_like(T)

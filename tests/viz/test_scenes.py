@@ -97,7 +97,9 @@ def test_a_layout_stands_on_the_ground_apart_and_right_handed():
 
 def test_contact_frames_have_z_along_the_normal():
     placed = lay_out([transfer()])[0].target
-    pose = placed.contact_pose(KETTLE_CONTACT)
+    assert placed.contact is not None
+    np.testing.assert_allclose(placed.contact.point * diagonal(kettle()), KETTLE_CONTACT.point)
+    pose = placed.contact_pose(placed.contact)
     np.testing.assert_allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(pose[:3, 2], [0, 0, 1], atol=1e-12)
     assert pose[2, 3] == pytest.approx(placed.height)

@@ -16,7 +16,7 @@ FAMILIES: tuple[Family, ...] = get_args(Family)
 """Kinds of features, in the order of their columns."""
 
 VERSION = 1
-"""Raised whenever a vector of the same options changes, so that stored vectors are not compared with new ones."""
+"""Raised whenever vectors of the same options change, so that stored ones are not compared with new ones."""
 
 SAMPLES = (64, 65_536)
 """Fewest and most points that can be sampled on a part."""
@@ -30,14 +30,14 @@ class GeometricDescriptor:
 
     * hull: proportions of the convex hull, how full it is, and how deep the surface lies under it;
     * inertia: moments of the surface about its centre, integrated exactly over the triangles;
-    * curve: the part as a bent tube, along shortest paths on the surface: length, thickness and how it changes,
-      bend, flatness, ring or not;
+    * curve: the part as a bent tube, along shortest paths on the surface: how thin, even and flat,
+      ring or not, but not how bent;
     * distributions: quantiles of D1, D2, D3 and A3 (Osada et al. 2002);
     * harmonics: energies of spherical harmonics on shells (Kazhdan et al. 2003).
 
-    Each feature is centred and scaled by fixed constants and bent onto an arc, so that 1 - cosine is a weighted sum
-    over the features' differences, between 0 and 2. What a part cannot answer (the volume of a point cloud,
-    everything about a single point) counts as average.
+    Each feature is centred and scaled by fixed constants and bent onto an arc: 1 - cosine is a weighted
+    mean over the features' differences, between 0 and 2. What a part cannot answer (the volume of a
+    point cloud, all about a single point) counts as average.
 
     Attributes:
         families: Those to use, each once; their order does not matter.

@@ -12,6 +12,7 @@ import numpy as np
 
 from graft.errors import InputError, InputWarning
 from graft.io.cloud import TEXT_SUFFIXES, read_npz_mesh, read_text_cloud
+from graft.io.dae import read_dae
 from graft.io.gltf import GRAFT_SCHEMA, UP, read_gltf
 from graft.io.guards import malformed_is_input_error
 from graft.io.mesh_file import MESH_SUFFIXES, read_raw
@@ -72,7 +73,12 @@ def load_mesh_file(path: Path, *, alone: bool | None = None) -> PartObject:
     if path.suffix.lower() in (".glb", ".gltf") and label_file is None:
         return _with_words(_load_gltf(path), words, path)
 
-    meshes = _read(path)
+    up: tuple[float, float, float] | None = None
+    if path.suffix.lower() == ".dae":
+        with malformed_is_input_error(path, "COLLADA"):
+            meshes, up = read_dae(path)
+    else:
+        meshes = _read(path)
     whole = meshes[0] if len(meshes) == 1 else merged(path.stem, meshes)
     labels = whole.vertex_labels if whole.face_labels is None else whole.face_labels
     if label_file is not None:
@@ -81,8 +87,8 @@ def load_mesh_file(path: Path, *, alone: bool | None = None) -> PartObject:
     if labels is not None:
         meshes, numbers = split_by_labels(whole, labels, words.part_names, path=label_file or path)
     obj = assemble(path.stem, meshes, path=path)
-    if path.suffix.lower() in (".glb", ".gltf"):
-        obj = replace(obj, up=np.array(UP), scale_to_metres=1.0)
+    if path.suffix.lower() in (".glb", ".gltf", ".dae"):
+        obj = replace(obj, up=np.array(UP if up is None else up), scale_to_metres=1.0)
     if numbers is None and len(meshes) == 1 and words.part_names is not None and len(words.part_names) == 1:
         obj = replace(obj, parts=(replace(obj.parts[0], name=words.part_names[0], label=words.part_names[0]),))
     return _with_words(obj, words, path, numbers)

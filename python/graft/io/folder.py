@@ -56,6 +56,8 @@ def load_folder(
         raise InputError(f"several robot files, name one: {', '.join(p.name for p in robots)}", path=folder)
     if robots:
         return load_robot_file(robots[0], parts=parts, packages=packages, missing=missing)
+    if parts != "auto":
+        raise InputError(f"parts: {parts!r} is a choice for MJCF and URDF, neither is here", path=folder)
     for path in meshes:
         contained(path, root=folder, reference=path.name, path=folder)
     if len(meshes) > 1:

@@ -15,6 +15,8 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
+import numpy as np
+
 from graft.errors import InputError
 
 MAX_FILE_BYTES = 1 << 30
@@ -214,7 +216,9 @@ def read_member(archive: zipfile.ZipFile, name: str, *, path: str | Path) -> byt
 def malformed_is_input_error(path: str | Path, what: str) -> Iterator[None]:
     """Turn what a parser raises on nonsense that it did not expect into an `InputError` naming the file."""
     try:
-        yield
+        # What overflows becomes infinite, and is dropped with the other corners that are not finite.
+        with np.errstate(over="ignore", invalid="ignore"):
+            yield
     except InputError as error:
         if error.path is not None:
             raise

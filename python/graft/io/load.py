@@ -52,6 +52,7 @@ def load_object(
 
     * GLB and glTF: every node with a mesh. By its specification glTF is in metres with +Y up, so that `up` is
       (0, 1, 0) and `scale_to_metres` 1, unless graft wrote the file, which then keeps the object's own frame.
+    * COLLADA: every node with a geometry, in metres, up as the file says.
     * OBJ: every object and group. STL: every solid. PLY, OFF: one part, or one per label.
     * A mesh with face labels next to it (`<stem>.seg`, `.npy`, `.npz`, or `parts.*`) and an `object.json`.
     * Point clouds `x y z [nx ny nz] label` as text, PLY with a label property, `.npz`.
@@ -84,6 +85,8 @@ def load_object(
     elif path.suffix.lower() in ROBOT_SUFFIXES:
         obj = load_robot_file(path, parts=parts, packages=folders, missing=missing)
     elif path.suffix.lower() in KNOWN_SUFFIXES:
+        if parts != "auto":
+            raise InputError(f"parts: {parts!r} is a choice for MJCF and URDF, not for meshes", path=path)
         obj = load_mesh_file(path)
     else:
         raise InputError(f"unknown suffix {path.suffix!r}: the known ones are {', '.join(KNOWN_SUFFIXES)}", path=path)

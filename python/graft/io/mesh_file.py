@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from graft.errors import InputError
+from graft.io.dae import read_dae
 from graft.io.gltf import read_gltf
 from graft.io.guards import existing_file, malformed_is_input_error
 from graft.io.obj import read_obj
@@ -13,7 +14,7 @@ from graft.io.pieces import Piece, RawMesh, cleaned
 from graft.io.ply import read_ply
 from graft.io.stl import read_stl
 
-MESH_SUFFIXES = (".glb", ".gltf", ".obj", ".off", ".ply", ".stl")
+MESH_SUFFIXES = (".dae", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl")
 """Of the formats that `read_mesh` knows."""
 
 
@@ -24,6 +25,8 @@ def read_raw(path: str | Path) -> list[RawMesh]:
     with malformed_is_input_error(path, suffix[1:].upper()):
         if suffix in (".glb", ".gltf"):
             return read_gltf(path).meshes
+        if suffix == ".dae":
+            return read_dae(path)[0]
         if suffix == ".obj":
             return read_obj(path)
         if suffix == ".off":
@@ -42,9 +45,9 @@ def read_mesh(path: str | Path) -> list[Piece]:
         path: A file ending in one of `MESH_SUFFIXES`.
 
     Returns:
-        One piece per node of a glTF scene, object or group of an OBJ file, solid of an STL file, else one; at
-        least one. Vertices are in the file's own units and frame, transforms in the file are applied. Names
-        are those of the file, and may repeat.
+        One piece per node of a glTF or COLLADA scene, object or group of an OBJ file, solid of an STL
+        file, else one; at least one. Vertices are in the file's own units (COLLADA: metres) and frame,
+        transforms in the file are applied. Names are those of the file, and may repeat.
 
     Raises:
         InputError: The file is missing, empty, truncated, of unknown format, or not what its header says.

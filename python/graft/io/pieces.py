@@ -18,6 +18,10 @@ FLAT_TRIANGLE = 1e-12
 precision."""
 
 
+FARTHEST = 1e100
+"""A coordinate beyond this counts as infinite: no unit makes it a place, and its square would overflow."""
+
+
 class Piece(NamedTuple):
     """A named piece of surface, or of a point cloud when it has no faces; cleaned.
 
@@ -139,7 +143,7 @@ def cleaned(mesh: RawMesh) -> Piece:
     if len(vertices) == 0:
         raise InputError(f"{where}: no vertices")
     notes = []
-    finite: Mask = np.asarray(np.isfinite(vertices).all(axis=1))
+    finite: Mask = np.asarray((np.abs(vertices) < FARTHEST).all(axis=1))  # NaN compares false
     if not len(faces):
         if normals is not None:
             finite &= np.isfinite(normals).all(axis=1)

@@ -25,9 +25,10 @@ EM_RATE = 0.4
 class UFGW:
     """Match part graphs by unbalanced fused Gromov-Wasserstein transport with EM target masses.
 
-    The feature cost is M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)), e half extents
-    relative to the object's diagonal and f descriptors; structures are the graphs' edge lengths; source masses
-    are volumes damped by `saliency` per hop from the demonstrated part, the target's prior is its volumes.
+    The feature cost is M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)), e half
+    extents relative to the object's diagonal and f descriptors; structures are the graphs' edge lengths;
+    source masses are volumes damped by `saliency` per hop from the demonstrated part, the target's prior
+    is its volumes.
 
     Attributes:
         alpha: Weight of the features; 1 - alpha weighs the structure (POT's alpha is the opposite).
@@ -39,8 +40,10 @@ class UFGW:
         em_rate: Share of the received mass in the M-step; None switches EM off.
         saliency: gamma of the source masses.
         lambda_obb: Weight of the boxes in M.
-        lambda_global: Weight of the descriptors in M; without descriptors their term is dropped, the weights stay.
-        variant: "graft", or "paper" for the literal sigmoid(|e_i - e_j|) and cos, the latter plus 1 to be a cost.
+        lambda_global: Weight of the descriptors in M; without descriptors their term is dropped, the
+            weights stay.
+        variant: "graft", or "paper" for the literal sigmoid(|e_i - e_j|) and cos, the latter plus 1 to be
+            a cost.
         cost: What transports are ranked by, see `graft.transport.ufgw`.
         tol: Relative L1 change that counts as settled.
         max_outer: Linearisations at most.
@@ -67,8 +70,8 @@ class UFGW:
         """Match one source, demonstrated at `source_part`, against a target.
 
         Raises:
-            InputError: `source_part` is no part of the source, the graphs' descriptors differ, or a parameter is
-                out of range.
+            InputError: `source_part` is no part of the source, the graphs' descriptors differ, or a
+                parameter is out of range.
         """
         return self.batch([source], [source_part], target)[0]
 
@@ -82,9 +85,8 @@ class UFGW:
             raise InputError(f"source_parts: expected {len(sources)}, one per source, got {len(source_parts)}")
         for source, part in zip(sources, source_parts, strict=True):
             if not 0 <= part < len(source.centers):
-                raise InputError(
-                    f"source_part: expected 0 to {len(source.centers) - 1} in {source.object.name}, got {part}"
-                )
+                last = len(source.centers) - 1
+                raise InputError(f"source_part: expected 0 to {last} in {source.object.name}, got {part}")
         if not sources:
             return []
         prior = target_prior(target)

@@ -5,9 +5,10 @@ The objective over plans T (n, m), with KL(p|q) = sum p log(p/q) - p + q:
     F(T) = (1-alpha) 1/2 sum loss(A_ii', B_jj') T_ij T_i'j' + alpha <M, T>
            + tau_s KL(T1 | mu) + tau_t KL(T'1 | nu) + eps KL(T | mu nu')
 
-`alpha` weighs the features and 1 - alpha the structure, as in the paper. POT's alpha is the opposite: it weighs the
-structure. With EM the target masses move too, nu <- (1-em_rate) prior + em_rate T'1, which minimises
-J = F + eta KL(prior | nu), eta = (tau_t + eps) (1-em_rate) / em_rate, exactly; F (with EM: J) never rises.
+`alpha` weighs the features and 1 - alpha the structure, as in the paper. POT's alpha is the opposite: it
+weighs the structure. With EM the target masses move too, nu <- (1-em_rate) prior + em_rate T'1, which
+minimises J = F + eta KL(prior | nu), eta = (tau_t + eps) (1-em_rate) / em_rate, exactly; F (with EM: J)
+never rises.
 """
 
 from __future__ import annotations
@@ -25,10 +26,12 @@ from graft.errors import InputError
 from graft.objects import Floats
 
 Loss = Literal["square", "absolute"]
-"""How structures are compared: (a - b)^2, or |a - b| (the paper's literal l2 norm of a scalar; n^2 m^2 work)."""
+"""How structures are compared: (a - b)^2, or |a - b| (the paper's literal l2 norm of a scalar; n^2 m^2
+work)."""
 
 Entropy = Literal["relative", "plain", "unit"]
-"""eps KL(T | mu nu'), which splitting a node leaves alone; eps sum T log T (the paper's -eps H); eps KL(T | 1)."""
+"""eps KL(T | mu nu'), which splitting a node leaves alone; eps sum T log T (the paper's -eps H); eps KL(T
+| 1)."""
 
 Cost = Literal["sharp", "objective", "paper", "debiased"]
 """What `Transport.cost` is; see `ufgw`."""
@@ -109,10 +112,10 @@ def ufgw(
         eps: Weight of the entropy, > 0.
         loss: "square" or "absolute".
         entropy: "relative", "plain" or "unit".
-        em_rate: Share of T'1 in the M-step, in [0, 1); None leaves nu alone. With tau_t = inf, and with a rate
-            of 0, the masses are the prior.
-        prior: (m,) what EM pulls the target masses to; nu if None. Read only with EM; a node without prior mass
-            then gets a column of zeros.
+        em_rate: Share of T'1 in the M-step, in [0, 1); None leaves nu alone. With tau_t = inf, and with a
+            rate of 0, the masses are the prior.
+        prior: (m,) what EM pulls the target masses to; nu if None. Read only with EM; a node without prior
+            mass then gets a column of zeros.
         start: (n, m) plan to start from, >= 0; mu nu' / sqrt(sum mu sum nu) if None.
         cost: "sharp", F without the entropy, comparable across sizes; "objective", F; "paper", the paper's
             equation 2, sharp + eps sum T log T; "debiased", F(s,t) - F(s,s)/2 - F(t,t)/2
@@ -123,8 +126,8 @@ def ufgw(
         history: Keep the objective of every iteration.
 
     Raises:
-        InputError: An argument has the wrong shape, is empty, negative, not finite or out of range; the message
-            names it.
+        InputError: An argument has the wrong shape, is empty, negative, not finite or out of range; the
+            message names it.
     """
     return ufgw_batch(
         [M],
@@ -175,7 +178,8 @@ def ufgw_batch(
     """Solve many pairs, of any sizes, in one call that releases the GIL.
 
     Args:
-        M: One feature cost per pair, (n_k, m_k); the other sequences likewise. See `ufgw` for all other arguments.
+        M: One feature cost per pair, (n_k, m_k); the other sequences likewise. See `ufgw` for all other
+            arguments.
         A: Source structures.
         B: Target structures.
         mu: Source masses.
@@ -200,7 +204,8 @@ def ufgw_batch(
         One transport per pair, in order; each is what `ufgw` gives for that pair.
 
     Raises:
-        InputError: Sequences of different lengths, or an argument as in `ufgw`; the message names argument and pair.
+        InputError: Sequences of different lengths, or an argument as in `ufgw`; the message names argument
+            and pair.
     """
     pairs = len(M)
     for name, sequence in (("A", A), ("B", B), ("mu", mu), ("nu", nu), ("prior", prior), ("start", start)):
@@ -217,12 +222,12 @@ def ufgw_batch(
     mus = [_array("mu", x, None, k, pairs) for k, x in enumerate(mu)]
     nus = [_array("nu", x, None, k, pairs) for k, x in enumerate(nu)]
     sizes = [(len(s), len(t)) for s, t in zip(mus, nus, strict=True)]
-    shapes: dict[str, Sequence[tuple[int, ...]]] = {
-        "M": sizes,
+    shapes: dict[str, list[tuple[int, ...]]] = {
+        "M": [(n, m) for n, m in sizes],
         "A": [(n, n) for n, _ in sizes],
         "B": [(m, m) for _, m in sizes],
         "prior": [(m,) for _, m in sizes],
-        "start": sizes,
+        "start": [(n, m) for n, m in sizes],
     }
 
     def packed(name: str, arrays: Sequence[ArrayLike]) -> Floats:
@@ -264,7 +269,20 @@ def ufgw_batch(
         costs = objectives
     elif cost == "debiased":
         selves = _self_objectives(
-            A, B, mus, masses_of, self_features, entropy, alpha, tau_s, tau_t, eps, loss, tol, max_outer, threads
+            A,
+            B,
+            mus,
+            masses_of,
+            self_features,
+            entropy,
+            alpha,
+            tau_s,
+            tau_t,
+            eps,
+            loss,
+            tol,
+            max_outer,
+            threads,
         )
         gaps = np.array([s.sum() - t.sum() for s, t in zip(mus, masses_of, strict=True)])
         costs = objectives - selves / 2 + eps / 2 * gaps**2
@@ -328,8 +346,8 @@ def _self_objectives(
 ) -> Floats:
     """Return F(s,s) + F(t,t) of every pair, t with the masses EM found, started from the identity.
 
-    Source and target marginals of a self transport are priced alike: the source's with tau_s, the target's with
-    tau_t.
+    Source and target marginals of a self transport are priced alike: the source's with tau_s, the target's
+    with tau_t.
     """
     if self_features is None or len(self_features) != len(mu):
         got = "none" if self_features is None else len(self_features)

@@ -64,8 +64,9 @@ def fit(rotation: Floats, points: Floats, width: int, height: int, margin: float
     """
     seen = points @ rotation.T
     low, high = seen.min(axis=0), seen.max(axis=0)
-    spans = np.maximum((high - low)[:2], np.finfo(np.float64).tiny)
-    scale = float(((1 - 2 * margin) * np.array([width, height]) / spans).min())
+    # Pictures of a single point have a scale, too.
+    wanted = float(np.max((high - low)[:2] / (width, height))) or 1.0 / min(width, height)
+    scale = (1 - 2 * margin) / wanted
     return framed(rotation, (low + high) / 2, scale, width, height)
 
 

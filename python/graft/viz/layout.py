@@ -54,10 +54,10 @@ class Placed:
     Attributes:
         name: Unique in the scene, with slashes between levels.
         title: For people.
-        shapes: Its parts, object frame, thinned to the scene's budget.
-        pose: (4, 4) T_world_object, a similarity.
+        shapes: Its parts, object frame, in diagonals of the object, thinned to the scene's budget.
+        pose: (4, 4) T_world_object, rigid.
         height: Of its top above the ground.
-        contact: On it, object frame; None when there is none.
+        contact: On it, object frame, in the same unit; None when there is none.
         centers: (n, 3) middles of its parts, world.
     """
 
@@ -72,9 +72,9 @@ class Placed:
     def contact_pose(self, contact: Contact) -> Floats:
         """Return T_world_contact (4, 4), a rigid motion: z along the outward normal."""
         pose = np.eye(4)
-        linear = self.pose[:3, :3]
-        pose[:3, :3] = linear @ frame_along(contact.normal) / np.cbrt(np.linalg.det(linear))
-        pose[:3, 3] = linear @ contact.point + self.pose[:3, 3]
+        rotation = self.pose[:3, :3]
+        pose[:3, :3] = rotation @ frame_along(contact.normal)
+        pose[:3, 3] = rotation @ contact.point + self.pose[:3, 3]
         return pose
 
 
@@ -180,19 +180,19 @@ def place_object(
     right, down, forward = look_from(azimuth, 0.0, obj.up)
     scale = 1.0 / diagonal(obj)
     pose = np.eye(4)
-    pose[:3, :3] = scale * np.stack([right, forward, -down])
-    turned = np.concatenate([part.vertices for part in obj.parts]) @ pose[:3, :3].T
+    pose[:3, :3] = np.stack([right, forward, -down])
+    turned = scale * np.concatenate([part.vertices for part in obj.parts]) @ pose[:3, :3].T
     low, high = turned.min(axis=0), turned.max(axis=0)
     pose[:3, 3] = middle - np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
     middles = [(part.vertices.min(axis=0) + part.vertices.max(axis=0)) / 2 for part in obj.parts]
     return Placed(
         name=name,
         title=title,
-        shapes=thinned(object_shapes(obj, colors), budget),
+        shapes=thinned([s.scaled(scale) for s in object_shapes(obj, colors)], budget),
         pose=pose,
         height=float(high[2] - low[2]),
-        contact=contact,
-        centers=np.array(middles) @ pose[:3, :3].T + pose[:3, 3],
+        contact=None if contact is None else replace(contact, point=scale * contact.point),
+        centers=scale * np.array(middles) @ pose[:3, :3].T + pose[:3, 3],
     )
 
 

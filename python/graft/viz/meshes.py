@@ -20,18 +20,21 @@ def surface(shape: Shape, opacity: float = 1.0) -> trimesh.Trimesh | trimesh.Poi
     mesh = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
     if len(mesh.faces) > 1 and mesh.area > 0:
         mesh = trimesh.graph.smooth_shade(mesh, angle=CREASE)
-    mesh.visual = trimesh.visual.TextureVisuals(
-        material=PBRMaterial(
-            baseColorFactor=(*linear(shape.color), opacity),
-            alphaMode="OPAQUE" if opacity >= 1.0 else "BLEND",
-            metallicFactor=0.0,
-            roughnessFactor=0.65,
-            doubleSided=True,
-        )
+    material = PBRMaterial(
+        baseColorFactor=(*linear(shape.color), opacity),
+        alphaMode="OPAQUE" if opacity >= 1.0 else "BLEND",
+        metallicFactor=0.0,
+        roughnessFactor=0.65,
+        doubleSided=True,
     )
-    # Asked for once, because only normals that have been are exported; without them viewers show facets.
-    assert len(mesh.vertex_normals) == len(mesh.vertices)
-    return mesh
+    # Only normals that are given are exported; without them viewers show facets.
+    return trimesh.Trimesh(
+        mesh.vertices,
+        mesh.faces,
+        vertex_normals=mesh.vertex_normals,
+        visual=trimesh.visual.TextureVisuals(material=material),
+        process=False,
+    )
 
 
 def linear(color: tuple[int, int, int]) -> tuple[float, ...]:
@@ -42,9 +45,6 @@ def linear(color: tuple[int, int, int]) -> tuple[float, ...]:
 
 
 def quaternion(pose: Floats) -> Floats:
-    """Return (4,) wxyz of a similarity (4, 4)."""
-    linear = pose[:3, :3]
-    rigid = np.eye(4)
-    rigid[:3, :3] = linear / np.cbrt(np.linalg.det(linear))
-    wxyz: Floats = trimesh.transformations.quaternion_from_matrix(rigid)
+    """Return (4,) wxyz of a rigid motion (4, 4)."""
+    wxyz: Floats = trimesh.transformations.quaternion_from_matrix(pose)
     return wxyz

@@ -58,8 +58,7 @@ def _add_object(scene: trimesh.Scene, placed: Placed) -> None:
     for shape in placed.shapes:
         _add(scene, f"{placed.name}/{shape.name}", shape, placed.pose)
     if placed.contact is not None:
-        size = 1.0 / float(np.cbrt(np.linalg.det(placed.pose[:3, :3])))
-        for shape in contact_shapes(placed.contact, size):
+        for shape in contact_shapes(placed.contact, 1.0):
             _add(scene, f"{placed.name}/marks/{shape.name}", shape, placed.pose)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -116,11 +115,9 @@ def _add_cell(scene: Any, cell: Cell) -> None:
 
 def _add_object(scene: Any, placed: Placed) -> None:
     """Add an object's parts, its title above it, and its contact."""
-    scale = float(np.cbrt(np.linalg.det(placed.pose[:3, :3])))
     scene.add_frame(placed.name, show_axes=False, wxyz=quaternion(placed.pose), position=placed.pose[:3, 3])
-    for i, unscaled in enumerate(placed.shapes):
-        # The same source, scaled alike and moved by its frame only, is stored once in the page.
-        shape = replace(unscaled, vertices=scale * unscaled.vertices, radius=scale * unscaled.radius)
+    # A source that is shown several times is moved by its frame only, so that the page stores it once.
+    for i, shape in enumerate(placed.shapes):
         name = f"{placed.name}/{i}_{shape.name.replace('/', '_')}"
         if len(shape.faces):
             scene.add_mesh_trimesh(name, surface(shape))
@@ -132,7 +129,7 @@ def _add_object(scene: Any, placed: Placed) -> None:
                 point_size=2 * shape.radius,
                 point_shape="circle",
             )
-    middle = np.append(_extent(placed)[:, :2].mean(axis=0), placed.height + 1.5 * LABEL_HEIGHT)
+    middle = np.append(_extent(placed)[:, :2].mean(axis=0), placed.height + 2.2 * LABEL_HEIGHT)
     _label(scene, f"{placed.name}_title", placed.title, middle)
     if placed.contact is None:
         return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -41,6 +41,10 @@ class Shape:
     color: tuple[int, int, int]
     radius: float = 0.0
 
+    def scaled(self, scale: float) -> Shape:
+        """Return the shape `scale` times as large."""
+        return replace(self, vertices=scale * self.vertices, radius=scale * self.radius)
+
 
 def rgb(row: Colors) -> tuple[int, int, int]:
     """Return one colour (3,) as plain integers."""
@@ -49,9 +53,9 @@ def rgb(row: Colors) -> tuple[int, int, int]:
 
 
 def diagonal(obj: PartObject) -> float:
-    """Return the length of the diagonal of the axis-aligned bounding box, at least the smallest positive."""
+    """Return the length of the diagonal of the axis-aligned bounding box; 1 for a single point."""
     low, high = obj.bounds
-    return max(float(np.linalg.norm(high - low)), float(np.finfo(np.float64).tiny))
+    return float(np.linalg.norm(high - low)) or 1.0
 
 
 def object_shapes(obj: PartObject, colors: Colors) -> list[Shape]:

@@ -51,8 +51,11 @@ FRAME = 4
 KEY = "amber: demonstrated part and what matches it   red: contact and normal   *: graspable"
 """What the colours mean, below the tiles."""
 
+Legend = list[list[Entry]]
+"""Rows of entries."""
+
 LEGEND_ROWS = 3
-"""Rows of a legend that a tile has room for."""
+"""Most rows of a legend that a tile has room for."""
 
 
 def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[TransferredContact]) -> None:
@@ -76,7 +79,12 @@ def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[Transf
     require_pillow()
     size = next((s for n, s in PICTURE_SIZES.items() if len(several) <= n), PICTURE_SIZE)
     columns = 1 if len(several) == 1 else 2 if len(several) <= 4 else COLUMNS
-    tiles = [_tile(transfer, size) for transfer in several]
+    legends = [
+        [_legend(graph.object, colors, size) for graph, colors in zip((m.source, m.target), c, strict=True)]
+        for m, c in ((t.match, colors_of(t)) for t in several)
+    ]
+    lines = max(len(rows) for pair in legends for rows in pair)
+    tiles = [_tile(t, size, pair, lines) for t, pair in zip(several, legends, strict=True)]
     rows = -(-len(tiles) // columns)
     width, height = tiles[0].size
     image = blank(columns * (width + EDGE) + EDGE, rows * (height + EDGE) + 2 * EDGE + SMALL)
@@ -87,7 +95,7 @@ def save_sheet(path: str | Path, transfers: TransferredContact | Sequence[Transf
     write_whole(path, encode_png(image))
 
 
-def _tile(transfer: TransferredContact, size: int) -> Image.Image:
+def _tile(transfer: TransferredContact, size: int, legends: list[Legend], lines: int) -> Image.Image:
     """Draw one transfer: caption, two pictures, two legends, a frame."""
     match = transfer.match
     source, target = match.source.object, match.target.object
@@ -95,7 +103,7 @@ def _tile(transfer: TransferredContact, size: int) -> Image.Image:
     color = {True: GOOD, False: BAD, None: UNKNOWN}[inside]
     top = EDGE + TITLE + BODY + 14
     width = 2 * size + 3 * EDGE
-    image = blank(width, top + size + LEGEND_ROWS * (SMALL + 6) + EDGE)
+    image = blank(width, top + size + lines * (SMALL + 6) + EDGE)
     room = width - 2 * EDGE
     write_arrow(image, EDGE, EDGE - 2, match.demonstration.name, target.name, size=TITLE, width=room)
     verdict = {True: "in the mask", False: "outside the mask", None: "no mask"}[inside]
@@ -111,7 +119,7 @@ def _tile(transfer: TransferredContact, size: int) -> Image.Image:
         paste(image, pixels, x, top)
         if not seen:
             write(image, x, top, "contact hidden", size=SMALL, width=size, color=FAINT)
-        write_legend(image, x, top + size, _legend(obj, colors, size), size)
+        write_legend(image, x, top + size, legends[side], size)
     with drawing(image) as draw:
         middle = 2 * EDGE + size - EDGE // 2
         draw.line([(middle, top), (middle, image.height - EDGE)], fill=(228, 230, 234))
@@ -119,7 +127,7 @@ def _tile(transfer: TransferredContact, size: int) -> Image.Image:
     return image
 
 
-def _legend(obj: PartObject, colors: Colors, width: int) -> list[list[Entry]]:
+def _legend(obj: PartObject, colors: Colors, width: int) -> Legend:
     """Return the rows of a legend, as many as there is room for; graspable parts have a star."""
     entries = [(f"{name}*" if i in obj.graspable else name, rgb(colors[i])) for i, name in enumerate(obj.part_names)]
     rows = legend_rows(entries, width)

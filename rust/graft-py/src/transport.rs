@@ -39,7 +39,7 @@ fn packed<'py>(py: Python<'py>, solutions: &[Solution]) -> PyResult<Solved<'py>>
         all.into_pyarray(py)
     };
     let count = |of: fn(&Solution) -> usize| {
-        let all: Vec<i64> = solutions.iter().map(|s| of(s) as i64).collect();
+        let all: Vec<i64> = solutions.iter().map(|s| i64::try_from(of(s)).unwrap_or(i64::MAX)).collect();
         all.into_pyarray(py)
     };
     let terms: Vec<f64> = solutions

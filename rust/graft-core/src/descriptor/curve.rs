@@ -13,7 +13,7 @@ pub const CURVE: usize = 8;
 /// Slabs along the part.
 const SLABS: usize = 8;
 /// Ends looked from: each the farthest from those before it.
-const ENDS: usize = 8;
+const ENDS: usize = 6;
 /// How much less a nearer end counts: to this power of its reach along the surface.
 const SHARPNESS: i32 = 12;
 /// Lengths below this share of the part's size are treated as it.
@@ -37,7 +37,7 @@ pub fn curve(surface: &Surface) -> Vec<f64> {
     }
     let longest = looks.iter().map(|look| look.0).fold(SMALL, f64::max);
     let mut total = 0.0;
-    let mut sums = vec![0.0; CURVE];
+    let mut sums = [0.0; CURVE];
     for (length, features) in &looks {
         let weight = (length / longest).powi(SHARPNESS);
         total += weight;

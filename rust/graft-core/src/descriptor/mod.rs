@@ -61,7 +61,7 @@ impl Family {
 
     /// Number of raw features.
     #[must_use]
-    pub fn len(self) -> usize {
+    pub fn n_features(self) -> usize {
         match self {
             Self::Hull => moments::HULL,
             Self::Inertia => moments::INERTIA,
@@ -102,7 +102,7 @@ impl Options {
     /// Width of a descriptor.
     #[must_use]
     pub fn dim(&self) -> usize {
-        self.families.iter().map(|&family| standard::WIDTH * family.len()).sum()
+        self.families.iter().map(|&family| standard::WIDTH * family.n_features()).sum()
     }
 
     fn check(&self) -> Result<(), Error> {
@@ -134,8 +134,11 @@ pub struct Parts<'a> {
     pub face_offsets: &'a [i64],
 }
 
+/// Vertices and faces of one part.
+type Slices<'a> = (&'a [[f64; 3]], &'a [[i64; 3]]);
+
 impl<'a> Parts<'a> {
-    fn slices(&self) -> Result<Vec<(&'a [[f64; 3]], &'a [[i64; 3]])>, Error> {
+    fn slices(&self) -> Result<Vec<Slices<'a>>, Error> {
         let vertices = ranges("vertex_offsets", self.vertex_offsets, self.vertices.len())?;
         let faces = ranges("face_offsets", self.face_offsets, self.faces.len())?;
         if vertices.len() != faces.len() {
@@ -150,8 +153,8 @@ impl<'a> Parts<'a> {
             if vertices.iter().flatten().any(|x| !x.is_finite()) {
                 return Err(Error::value("vertices", "finite numbers", format!("others in part {i}")));
             }
-            let n = vertices.len() as i64;
-            if let Some(index) = faces.iter().flatten().find(|index| !(0..n).contains(*index)) {
+            let n = vertices.len();
+            if let Some(index) = faces.iter().flatten().find(|&&k| usize::try_from(k).map_or(true, |k| k >= n)) {
                 return Err(Error::value("faces", format!("indices 0 to {} in part {i}", n - 1), index));
             }
             slices.push((vertices, faces));
@@ -161,11 +164,13 @@ impl<'a> Parts<'a> {
 }
 
 fn ranges(name: &'static str, offsets: &[i64], total: usize) -> Result<Vec<std::ops::Range<usize>>, Error> {
-    let ends = (offsets.first(), offsets.last());
-    if ends != (Some(&0), Some(&(total as i64))) || offsets.windows(2).any(|pair| pair[0] > pair[1]) {
-        return Err(Error::value(name, format!("ascending from 0 to {total}"), format!("{offsets:?}")));
+    let places: Option<Vec<usize>> = offsets.iter().map(|&offset| usize::try_from(offset).ok()).collect();
+    match places {
+        Some(places) if places.first() == Some(&0) && places.last() == Some(&total) && places.is_sorted() => {
+            Ok(places.windows(2).map(|pair| pair[0]..pair[1]).collect())
+        }
+        _ => Err(Error::value(name, format!("ascending from 0 to {total}"), format!("{offsets:?}"))),
     }
-    Ok(offsets.windows(2).map(|pair| pair[0] as usize..pair[1] as usize).collect())
 }
 
 /// Describe every part, one row of [`Options::dim`] each, of length 1: compare rows by cosine.
@@ -201,7 +206,7 @@ fn rows(
             for &family in &options.families {
                 let features = match &surface {
                     Some(surface) => family.features(surface, options.seed),
-                    None => vec![f64::NAN; family.len()],
+                    None => vec![f64::NAN; family.n_features()],
                 };
                 finish(family, &features, &mut row);
             }

@@ -1,9 +1,9 @@
 //! Makes features commensurate, and comparable by cosine.
 //!
-//! Each feature is centred, divided by its spread and bent onto an arc, theta = pi/2 tanh(z / [`BEND`]), and stored
-//! as (cos theta, sin theta) times the root of its weight. Rows have length 1, and
-//! 1 - cos(f, g) = sum of weight (1 - cos(theta_f - theta_g)): it grows with every single difference, whereas the
-//! cosine of the standardised features themselves compares directions from the average part and loses how far.
+//! Each feature is centred, divided by its spread and bent onto an arc, `theta = pi/2 tanh(z / BEND)`, and stored as
+//! `(cos theta, sin theta)` times the root of its weight. Rows have length 1, and one minus the cosine of two rows is
+//! the weighted mean of `1 - cos(theta_f - theta_g)`: it grows with every single difference, whereas the cosine of
+//! the standardised features themselves compares directions from the average part and loses how far.
 
 use super::Family;
 use super::constants::{CURVE, DISTRIBUTIONS, HARMONICS, HULL, INERTIA};
@@ -15,7 +15,7 @@ pub const WIDTH: usize = 2;
 /// percentile over the parts the constants were measured on).
 const BEND: f64 = 1.5;
 
-/// What one family contributes to 1 - cos, before division by the sum over the chosen families.
+/// What one family contributes to the distance, before division by the sum over the chosen families.
 ///
 /// Chosen on the half of the objects that `benches/descriptor.py` calls the tuning half: the tube carries what
 /// handles of different objects share, the others keep parts of one category together. The optimum is flat.

@@ -68,7 +68,7 @@ impl<'a> Packed<'a> {
         match rests.iter().find(|(_, rest)| !rest.is_empty()) {
             None => Ok(inputs),
             Some((name, rest)) => {
-                Err(Error::shape(name, "as many numbers as sizes say", { format!("{} more", rest.len()) }))
+                Err(Error::shape(name, "as many numbers as sizes say", format!("{} more", rest.len())))
             }
         }
     }

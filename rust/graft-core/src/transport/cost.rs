@@ -89,7 +89,9 @@ impl Structure {
                 absolute(source, target, t, out, n, m, false);
                 if !*symmetric {
                     absolute(source, target, t, out, n, m, true);
-                    out.iter_mut().for_each(|x| *x *= 0.5);
+                    for x in out.iter_mut() {
+                        *x *= 0.5;
+                    }
                 }
             }
         }

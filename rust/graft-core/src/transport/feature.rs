@@ -36,9 +36,13 @@ fn unit_rows(x: &[f64], dim: usize) -> Vec<f64> {
     for row in rows.chunks_exact_mut(dim) {
         let top = row.iter().fold(0.0_f64, |top, v| top.max(v.abs()));
         if top > 0.0 {
-            row.iter_mut().for_each(|v| *v /= top);
+            for v in row.iter_mut() {
+                *v /= top;
+            }
             let norm = row.iter().map(|v| v * v).sum::<f64>().sqrt();
-            row.iter_mut().for_each(|v| *v /= norm);
+            for v in row.iter_mut() {
+                *v /= norm;
+            }
         }
     }
     rows
@@ -73,7 +77,7 @@ impl FeatureCost {
         let (Some(s), Some(t)) = (source.descriptors, target.descriptors) else {
             return Ok(out);
         };
-        let dim = if m == 0 { 0 } else { t.len() / m };
+        let dim = t.len().checked_div(m).unwrap_or(0);
         if dim == 0 || s.len() != n * dim {
             return Err(Error::shape("source descriptors", format!("{n} x {dim} numbers"), s.len()));
         }

@@ -12,6 +12,9 @@
 //! [`problem`] checks the data, [`cost`] linearises the structure term, [`sinkhorn`] solves the linear problem,
 //! [`objective`] evaluates F, [`ufgw`] loops, [`batch`] runs many pairs, [`feature`] makes M from part graphs.
 
+// C_GW, T_ij and A_ii' are mathematics, not code.
+#![allow(clippy::doc_markdown)]
+
 pub mod batch;
 pub mod cost;
 pub mod feature;

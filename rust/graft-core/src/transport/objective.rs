@@ -5,7 +5,8 @@ use super::problem::{Entropy, Loss, Options, Problem};
 /// p log(p / q) - p + q, with 0 log 0 = 0; q > 0.
 #[must_use]
 pub fn kl_scalar(p: f64, q: f64) -> f64 {
-    if p > 0.0 { p * (p / q).ln() - p + q } else { q }
+    // Two logarithms: p / q underflows to 0 for subnormal p.
+    if p > 0.0 { p * (p.ln() - q.ln()) - p + q } else { q }
 }
 
 /// Generalised Kullback-Leibler divergence sum p log(p/q) - p + q.

@@ -133,7 +133,7 @@ fn numbers(name: &'static str, values: &[f64], len: usize, nonnegative: bool) ->
     if values.len() != len {
         return Err(Error::shape(name, format!("{len} numbers"), values.len()));
     }
-    let bad = |x: &f64| !(x.abs() < LARGEST) || (nonnegative && *x < 0.0);
+    let bad = |x: &f64| x.is_nan() || x.abs() >= LARGEST || (nonnegative && *x < 0.0);
     match values.iter().position(bad) {
         None => Ok(()),
         Some(at) => {

@@ -215,7 +215,9 @@ fn make_feasible(problem: &Problem, options: &Options, nu: &[f64], point: &mut P
     if fix_rows {
         for (i, row) in point.plan.chunks_exact_mut(m).enumerate() {
             let scale = factor(problem.mu[i], point.u[i]);
-            row.iter_mut().for_each(|t| *t *= scale);
+            for t in row.iter_mut() {
+                *t *= scale;
+            }
         }
         point.sum();
     }
