@@ -22,6 +22,12 @@ def test_json_is_one_document(capsys):
     assert len(found["diversity"][0]["accuracy"]) == 2
 
 
+def test_ablation_tells_differences(capsys):
+    assert main(["evaluate", "ablation", "--limit", "1", "--workers", "1", "--k", "1"]) == EXIT_OK
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("without EM ") and "+" in line for line in lines)
+
+
 @pytest.mark.slow
 def test_out_gets_rows_table_and_pictures(capsys, tmp_path):
     pytest.importorskip("viser")

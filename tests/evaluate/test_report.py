@@ -9,7 +9,7 @@ from graft.evaluate.ablation import RootAnchored, ablations
 from graft.evaluate.diversity import diversity, normalised_entropy, retrieving_methods
 from graft.evaluate.methods import Graft, Graphs
 from graft.evaluate.protocols import Posing, from_objects
-from graft.evaluate.report import by_category, coverage_curve, document, summarise
+from graft.evaluate.report import by_category, coverage_curve, document, effects, summarise
 from graft.evaluate.rows import Answer, Row
 from graft.evaluate.runner import build_graphs, evaluate
 from graft.transport import UFGW
@@ -61,6 +61,18 @@ def test_coverage_curve_falls_when_confidence_is_right():
     assert_allclose([accuracy for _, accuracy in curve], [1] * 5 + [5 / 6, 5 / 7, 5 / 8, 5 / 9, 0.5])
     backwards = [row(str(i), [answer(i < 5, confidence=i / 10)]) for i in range(10)]
     assert coverage_curve(backwards)[0][1] == 0.0
+
+
+def test_effects_are_paired_by_query():
+    ours = [row(str(i), [answer(i < 5)]) for i in range(10)]
+    theirs = [
+        Row("other", r.query, r.target, r.category, False, (answer(i < 5 or i == 7),)) for i, r in enumerate(ours)
+    ]
+    (found,) = effects([*ours, *theirs], "method").values()
+    assert_allclose(found["part"].value, 0.1)
+    assert found["part"].low >= 0.0, "no query got worse"
+    same = [Row("same", r.query, r.target, r.category, False, r.answers) for r in ours]
+    assert effects([*ours, *same], "method")["same"]["part"].high == 0.0
 
 
 def test_entropy_of_one_and_of_all_different():

@@ -28,7 +28,7 @@ from graft.evaluate.diversity import Diversity, diversity, retrieving_methods
 from graft.evaluate.intervals import Estimate
 from graft.evaluate.methods import Graft, Method
 from graft.evaluate.protocols import Benchmark, Posing, from_objects, load_objects, paper
-from graft.evaluate.report import QUOTED, Summary, by_category, coverage_curve, document, summarise
+from graft.evaluate.report import QUOTED, Summary, by_category, coverage_curve, document, effects, summarise
 from graft.evaluate.rows import Row
 from graft.evaluate.runner import Progress, build_graphs, evaluate
 from graft.viz import save_scene, save_sheet
@@ -38,6 +38,11 @@ WORST = 24
 
 WORST_ON_PAGE = 8
 """Worst cases on the page, which is heavier."""
+
+TABLE_WIDTH = 130
+"""Characters of a line of the tables, which are the same on a terminal and in the file."""
+
+What = Literal["affordance", "ablation", "diversity"]
 
 
 @dataclass(frozen=True)
@@ -105,7 +110,7 @@ class Affordance:
 
     def run(self) -> int:
         """Evaluate, print, draw; returns the exit code."""
-        return _run(self.asked, methods(), self.asked.k or 5, quoted=True)
+        return _run(self.asked, "affordance", methods(), self.asked.k or 5)
 
 
 @dataclass(frozen=True)
@@ -115,8 +120,8 @@ class Ablation:
     asked: AskedFlags = Asked()
 
     def run(self) -> int:
-        """Evaluate, print; returns the exit code."""
-        return _run(self.asked, ablations(), self.asked.k or 5, quoted=False)
+        """Evaluate, print, draw; returns the exit code."""
+        return _run(self.asked, "ablation", ablations(), self.asked.k or 5)
 
 
 @dataclass(frozen=True)
@@ -126,8 +131,8 @@ class Varied:
     asked: AskedFlags = Asked()
 
     def run(self) -> int:
-        """Evaluate, print; returns the exit code."""
-        return _run(self.asked, retrieving_methods(), self.asked.k or 10, quoted=False, varied=True)
+        """Evaluate, print, draw; returns the exit code."""
+        return _run(self.asked, "diversity", retrieving_methods(), self.asked.k or 10)
 
 
 @dataclass(frozen=True)
@@ -145,22 +150,31 @@ class Evaluate:
         return self.what.run()
 
 
-def _run(asked: Asked, chosen: Sequence[Method], k: int, *, quoted: bool, varied: bool = False) -> int:
+def _run(asked: Asked, what: What, chosen: Sequence[Method], k: int) -> int:
     start = time.perf_counter()
+    seed = asked.seed
     with _progress() as progress:
         progress("loading and posing", 0, 1)
         benchmark = asked.benchmark()
         rows = evaluate(benchmark, chosen, k=k, workers=asked.workers, out=asked.out, progress=progress)
         seconds = time.perf_counter() - start
-        found = diversity(rows, k, asked.seed) if varied else []
-        result = document(benchmark, rows, k, quoted=quoted, varied=found)
+        varied = diversity(rows, k, seed) if what == "diversity" else []
+        reference = Graft().name if what == "ablation" else None
+        result = document(benchmark, rows, k, quoted=what == "affordance", reference=reference, varied=varied)
         text = io.StringIO()
-        _print(Console(file=text, width=140), asked, benchmark, rows, k, found, quoted)
+        console = Console(file=text, width=TABLE_WIDTH)
+        _print_asked(console, benchmark)
+        if what == "affordance":
+            _print_affordance(console, rows, k, seed, asked.categories)
+        elif what == "ablation":
+            _print_ablation(console, rows, k, seed)
+        else:
+            _print_varied(console, varied)
         if asked.out is not None:
             progress("drawing", 0, 1)
             (asked.out / "evaluation.json").write_text(json.dumps(result, indent=1, allow_nan=False))
             (asked.out / "table.txt").write_text(text.getvalue())
-            _draw(asked, benchmark, rows, progress)
+            _draw(asked.out, asked.workers, benchmark, rows, progress)
     if asked.json:
         print_json(result)
         return EXIT_OK
@@ -182,28 +196,17 @@ def _progress() -> Iterator[Progress]:
         yield lambda what, done, total: bar.update(task, description=what, completed=done, total=total)
 
 
-def _draw(asked: Asked, benchmark: Benchmark, rows: Sequence[Row], progress: Progress) -> None:
+def _draw(out: Path, workers: int, benchmark: Benchmark, rows: Sequence[Row], progress: Progress) -> None:
     """Draw the worst of graft's answers."""
-    if asked.out is None:
-        return
     method = Graft()
     bad = worst([row for row in rows if row.method == method.name], WORST)
-    (graphs,) = build_graphs(benchmark, [method.graphs], workers=asked.workers, progress=progress)
+    (graphs,) = build_graphs(benchmark, [method.graphs], workers=workers, progress=progress)
     transfers = pictured(benchmark, method.fit(benchmark, graphs), bad)
-    save_sheet(asked.out / "worst.png", transfers)
-    save_scene(asked.out / "worst.html", transfers[:WORST_ON_PAGE])
+    save_sheet(out / "worst.png", transfers)
+    save_scene(out / "worst.html", transfers[:WORST_ON_PAGE])
 
 
-def _print(
-    console: Console,
-    asked: Asked,
-    benchmark: Benchmark,
-    rows: Sequence[Row],
-    k: int,
-    varied: Sequence[Diversity],
-    quoted: bool,
-) -> None:
-    """Print the tables."""
+def _print_asked(console: Console, benchmark: Benchmark) -> None:
     targets = len({query.target for query in benchmark.queries})
     posing = benchmark.posing
     console.print(
@@ -212,17 +215,34 @@ def _print(
         f"up {'kept' if posing.up else 'dropped'}, parts {'perturbed' if posing.perturb else 'as given'}, "
         f"seed {posing.seed}"
     )
-    if varied:
-        _print_varied(console, varied)
-        return
-    _print_summaries(console, summarise(rows, k, posing.seed), k, quoted)
-    if asked.categories:
-        for category, summaries in by_category(rows, k, posing.seed).items():
+
+
+def _print_affordance(console: Console, rows: Sequence[Row], k: int, seed: int, categories: bool) -> None:
+    """Print the paper's table, on request once per category, and the coverage-accuracy curve."""
+    _print_summaries(console, summarise(rows, k, seed), k, quoted=True)
+    if categories:
+        for category, summaries in by_category(rows, k, seed).items():
             console.print(f"\n[bold]{category}[/], {summaries[0].targets} targets")
             _print_summaries(console, summaries, k, quoted=False)
     curve = coverage_curve([row for row in rows if row.method == Graft().name])
-    told = "  ".join(f"{coverage:.0%} {accuracy:.2f}" for coverage, accuracy in curve)
-    console.print(f"\ngraft's part accuracy when only the surest answers are given: {told}")
+    console.print("\ngraft's part accuracy when only the surest answers are given:")
+    console.print("  ".join(f"{coverage:.0%} {accuracy:.2f}" for coverage, accuracy in curve))
+
+
+def _print_ablation(console: Console, rows: Sequence[Row], k: int, seed: int) -> None:
+    """Print graft's figures and what every variation adds to them, paired by query."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("variation", no_wrap=True)
+    for column in ("part", f"part top-{k}", "NSS", "DTM"):
+        table.add_column(column, justify="right", no_wrap=True)
+    shown = (("part", 3), ("part_top", 3), ("nss", 3), ("dtm", 4))
+    name = Graft().name
+    (ours,) = summarise([row for row in rows if row.method == name], k, seed)
+    table.add_row(name, *(_cell(ours.figures[key], digits) for key, digits in shown))
+    for variation, figures in effects(rows, name, k, seed).items():
+        table.add_row(variation, *(_cell(figures[key], digits, sign="+") for key, digits in shown))
+    console.print(table)
+    console.print("rows below the first: difference to the first, paired by query")
 
 
 def _print_summaries(console: Console, summaries: Sequence[Summary], k: int, quoted: bool) -> None:
@@ -254,6 +274,7 @@ def _print_varied(console: Console, varied: Sequence[Diversity]) -> None:
     console.print(table)
 
 
-def _cell(estimate: Estimate, digits: int = 3) -> str:
+def _cell(estimate: Estimate, digits: int = 3, sign: str = "") -> str:
     """Return a mean and its interval."""
-    return f"{estimate.value:.{digits}f} [dim]{estimate.low:.{digits}f}..{estimate.high:.{digits}f}[/]"
+    low, high = (f"{end:{sign}.{digits}f}" for end in (estimate.low, estimate.high))
+    return f"{estimate.value:{sign}.{digits}f} [dim]{low}..{high}[/]"

@@ -61,10 +61,36 @@ def summarise(rows: Sequence[Row], k: int = 5, seed: int = 0) -> list[Summary]:
         figures = {}
         for depth, suffix in ((1, ""), (k, "_top")):
             for measure, value in MEASURES.items():
-                means = [float(np.mean([value(answer) for answer in _counted(row, depth)])) for row in mine]
+                means = [_mean(row, value, depth) for row in mine]
                 figures[measure + suffix] = bootstrap_mean(means, [row.target for row in mine], seed=seed)
         summaries.append(Summary(name, len({row.target for row in mine}), figures))
     return summaries
+
+
+def effects(rows: Sequence[Row], reference: str, k: int = 5, seed: int = 0) -> dict[str, Table]:
+    """Return what every method's figures are beyond those of the method `reference`, query by query.
+
+    The differences are paired: each is of two answers to the same query, so that hard targets, which are hard for
+    both, do not widen the intervals.
+    """
+    ours = {row.query: row for row in rows if row.method == reference and row.answers}
+    found: dict[str, Table] = {}
+    for name in dict.fromkeys(row.method for row in rows if row.method != reference):
+        mine = [row for row in rows if row.method == name and row.answers and row.query in ours]
+        targets = [row.target for row in mine]
+        found[name] = {
+            measure + suffix: bootstrap_mean(
+                [_mean(row, value, depth) - _mean(ours[row.query], value, depth) for row in mine], targets, seed=seed
+            )
+            for depth, suffix in ((1, ""), (k, "_top"))
+            for measure, value in MEASURES.items()
+        }
+    return found
+
+
+def _mean(row: Row, value: Callable[[Answer], float], depth: int) -> float:
+    """Return the mean over the answers that a figure of the top `depth` averages."""
+    return float(np.mean([value(answer) for answer in _counted(row, depth)]))
 
 
 def _counted(row: Row, depth: int) -> Sequence[Answer]:
@@ -102,9 +128,19 @@ def document(
     k: int,
     *,
     quoted: bool = True,
+    reference: str | None = None,
     varied: Sequence[Diversity] = (),
 ) -> dict[str, Any]:
-    """Return everything as one JSON document: what was asked, the figures, the rows."""
+    """Return everything as one JSON document: what was asked, the figures, the rows.
+
+    Args:
+        benchmark: What was asked.
+        rows: What was answered.
+        k: How many answers the top-k figures average over.
+        quoted: Put the figures that others published beside ours.
+        reference: Method that the others' effects are told against; None leaves them out.
+        varied: Diversity, where it was measured.
+    """
     seed = benchmark.posing.seed
     return {
         "graft": graft.__version__,
@@ -121,6 +157,12 @@ def document(
         "categories": {
             category: [asdict(summary) for summary in summaries]
             for category, summaries in by_category(rows, k, seed).items()
+        },
+        "effects": {}
+        if reference is None
+        else {
+            name: {key: asdict(figure) for key, figure in table.items()}
+            for name, table in effects(rows, reference, k, seed).items()
         },
         "coverage": {
             name: coverage_curve([row for row in rows if row.method == name])
