@@ -55,6 +55,16 @@ def test_one_source_asks_every_other_object_one_by_one():
     }
 
 
+def test_halves_share_no_target_and_leave_none_out():
+    whole, tuning, reporting = (
+        [q.key for q in from_objects("leave-category-out", tools(), Posing(), half=half).queries]
+        for half in ("both", "tuning", "reporting")
+    )
+    assert tuning == ["hammer_a", "paddle_a"]
+    assert reporting == ["hammer_b", "paddle_b"]
+    assert sorted(tuning + reporting) == whole
+
+
 def test_limit_spreads_over_the_objects():
     benchmark = from_objects("leave-category-out", tools(), Posing(), limit=2)
     assert [query.key for query in benchmark.queries] == ["hammer_a", "paddle_a"]

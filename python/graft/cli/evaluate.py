@@ -55,6 +55,8 @@ class Asked:
     """Folder with one folder per labelled object (object.json with graspable_parts), or ycb."""
     source: str | None = None
     """one-source: the object whose demonstrations answer; by default the first of each category in turn."""
+    half: Literal["both", "tuning", "reporting"] = "both"
+    """Of --objects: tune on one half of the targets, report the other."""
     variants: int = 12
     """paper: variants of each unseen category."""
     demonstrations: int = 1
@@ -96,7 +98,7 @@ class Asked:
         if self.objects is None:
             raise InputError(f"--protocol {self.protocol}: expected --objects, a folder or ycb")
         objects = load_objects(self.objects)
-        return from_objects(self.protocol, objects, posing, source=self.source, limit=self.limit)
+        return from_objects(self.protocol, objects, posing, source=self.source, half=self.half, limit=self.limit)
 
 
 AskedFlags = Annotated[Asked, tyro.conf.OmitArgPrefixes]

@@ -27,6 +27,7 @@ from graft.marking import closest_surface_point, mark_contact
 from graft.objects import Demonstration, Floats, PartObject
 
 ProtocolName = Literal["paper", "leave-category-out", "within-category", "one-source"]
+Half = Literal["both", "tuning", "reporting"]
 PROTOCOLS: tuple[ProtocolName, ...] = ("paper", "leave-category-out", "within-category", "one-source")
 
 SCALES = (0.5, 2.0)
@@ -169,6 +170,8 @@ def middles(obj: PartObject) -> list[Demonstration]:
 def load_objects(where: str | Path) -> list[PartObject]:
     """Read the labelled objects of a folder of folders, or the scans that the package brings (`ycb`).
 
+    Objects of which nothing is said to be graspable are left out.
+
     Raises:
         InputError: There is no such folder, an object cannot be read, or none says what is graspable.
     """
@@ -177,12 +180,8 @@ def load_objects(where: str | Path) -> list[PartObject]:
     folder = Path(where)
     if not folder.is_dir():
         raise InputError("expected a folder with one folder per object, or ycb", path=folder)
-    found = [load_object(path.parent) for path in sorted(folder.glob("*/object.json"))]
-    objects = [
-        replace(obj, name=path.parent.name)
-        for obj, path in zip(found, sorted(folder.glob("*/object.json")), strict=True)
-        if len(obj.graspable) > 0
-    ]
+    found = [replace(load_object(path.parent), name=path.parent.name) for path in sorted(folder.glob("*/object.json"))]
+    objects = [obj for obj in found if obj.graspable]
     if not objects:
         raise InputError("expected folders with an object.json that lists graspable_parts, got none", path=folder)
     return objects
@@ -223,6 +222,7 @@ def from_objects(
     posing: Posing,
     *,
     source: str | None = None,
+    half: Half = "both",
     limit: int | None = None,
 ) -> Benchmark:
     """Return a benchmark over labelled objects.
@@ -237,7 +237,9 @@ def from_objects(
         posing: How they are put.
         source: one-source: only the demonstrations of this object; by default those of the first object of
             each category.
-        limit: At most so many targets, evenly spread over `objects`.
+        half: Which targets: of the objects sorted by category and name, every second one is for tuning, the
+            others are for reporting. Sources are all objects in either case.
+        limit: At most so many targets, evenly spread over these.
 
     Raises:
         InputError: A name comes twice, `source` is unknown, or no target has any source.
@@ -250,7 +252,7 @@ def from_objects(
     posed = [pose(obj.name, obj, posing, middles(obj)) for obj in objects]
     subjects, sources = tuple(subject for subject, _ in posed), _sources(posed)
     kinds = [subject.truth.category or subject.key for subject in subjects]
-    chosen = _spread(range(len(subjects)), limit)
+    chosen = _spread(_half(kinds, names, half), limit)
 
     def among(target: int, allowed: Callable[[int], bool]) -> tuple[int, ...]:
         return tuple(i for i, s in enumerate(sources) if s.subject != target and allowed(s.subject))
@@ -282,6 +284,12 @@ def _same_kind(kinds: Sequence[str], wanted: bool, target: int, subject: int) ->
 
 def _sources(posed: Iterable[tuple[Subject, list[Demonstration]]]) -> tuple[Source, ...]:
     return tuple(Source(i, shown) for i, (_, many) in enumerate(posed) for shown in many)
+
+
+def _half(kinds: Sequence[str], names: Sequence[str], half: Half) -> list[int]:
+    """Return the objects of one half, in their order."""
+    order = sorted(range(len(names)), key=lambda i: (kinds[i], names[i]))
+    return sorted({"both": order, "tuning": order[::2], "reporting": order[1::2]}[half])
 
 
 def _spread(indices: Sequence[int], limit: int | None) -> list[int]:
