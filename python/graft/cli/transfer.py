@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import tyro
 from rich.console import Console
@@ -24,7 +25,7 @@ class TransferCommand:
     """The object to be grasped."""
     library: Path
     """A folder of demonstrations (folders with a demonstration.json)."""
-    k: int = 5
+    k: Annotated[int, tyro.conf.arg(aliases=["-k"])] = 5
     """How many matches to transfer from, best first."""
     json: bool = False
     """Print one JSON document and nothing else."""
