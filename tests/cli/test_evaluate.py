@@ -22,6 +22,14 @@ def test_json_is_one_document(capsys):
     assert len(found["diversity"][0]["accuracy"]) == 2
 
 
+def test_no_table_is_cut(capsys):
+    for what, name in (("affordance", "nearest part (six moments)"), ("diversity", "nearest part (six moments)")):
+        assert main(["evaluate", what, *FEW]) == EXIT_OK
+        out = capsys.readouterr().out
+        assert name in out
+        assert "\N{HORIZONTAL ELLIPSIS}" not in out
+
+
 def test_ablation_tells_differences(capsys):
     assert main(["evaluate", "ablation", "--limit", "1", "--workers", "1", "--k", "1"]) == EXIT_OK
     lines = capsys.readouterr().out.splitlines()

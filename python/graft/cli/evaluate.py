@@ -39,7 +39,7 @@ WORST = 24
 WORST_ON_PAGE = 8
 """Worst cases on the page, which is heavier."""
 
-TABLE_WIDTH = 130
+TABLE_WIDTH = 160
 """Characters of a line of the tables, which are the same on a terminal and in the file."""
 
 What = Literal["affordance", "ablation", "diversity"]
@@ -265,9 +265,9 @@ def _print_summaries(console: Console, summaries: Sequence[Summary], k: int, quo
 def _print_varied(console: Console, varied: Sequence[Diversity]) -> None:
     table = Table(box=None, pad_edge=False, header_style="bold")
     depth = len(varied[0].accuracy)
-    shown = [rank for rank in (1, 2, 3, 5, 10, 20) if rank <= depth]
+    shown = sorted({1, min(5, depth), depth})
     columns = [f"categories in top {depth}", "entropy", *(f"part top-{rank}" for rank in shown)]
-    table.add_column("method")
+    table.add_column("method", no_wrap=True)
     for column in columns:
         table.add_column(column, justify="right", no_wrap=True)
     for found in varied:
