@@ -101,10 +101,10 @@ def test_the_ranking_adds_the_demonstrated_parts_own_cost():
     assert ranked.cost == pytest.approx(plain.cost + own + doubt)
 
 
-def test_the_matched_part_receives_most_for_its_own_mass():
+def test_the_matched_part_receives_most_for_the_root_of_its_mass():
     plan = np.array([[0.1, 0.15], [0.1, 0.6]])
-    assert matched_part(plan, np.array([0.2, 0.75]), 0) == (0, pytest.approx(0.5 / 0.7))
-    assert matched_part(plan, np.array([0.1, 0.15]), 0) == (0, 0.5), "ties go to the lowest index"
+    assert matched_part(plan, np.array([0.16, 0.64]), 0) == (0, pytest.approx(0.25 / (0.25 + 0.1875)))
+    assert matched_part(np.array([[0.1, 0.2]]), np.array([0.16, 0.64]), 0) == (0, 0.5), "ties go to the lowest"
     assert matched_part(np.array([[0.0, 0.0], [0.1, 0.5]]), np.array([0.2, 0.8]), 0) == (1, 0.0)
     assert matched_part(np.array([[0.1, 0.0]]), np.array([0.1, 0.0]), 0) == (0, 1.0), "a part without mass"
 

@@ -27,8 +27,9 @@ EM_RATE = 0.4
 def matched_part(plan: Floats, target_mass: Floats, source_part: int) -> tuple[int, float]:
     """Return the target part that a source part goes to, and its share.
 
-    The part that receives most mass for its own mass, T_ij / nu_j: the plain row of the plan favours whatever is
-    large, and a body takes the handle's mass because it has room for it.
+    The part j with the greatest T_ij / sqrt(nu_j): half way between the plain row of the plan, which favours
+    whatever is large (a body takes the handle's mass because it has room for it), and received mass for own
+    mass, T_ij / nu_j, which favours whatever is tiny (a button).
 
     Args:
         plan: (n, m) transport plan.
@@ -36,10 +37,11 @@ def matched_part(plan: Floats, target_mass: Floats, source_part: int) -> tuple[i
         source_part: Row of the plan. Ties go to the lowest index.
 
     Returns:
-        The part, and T_ij / nu_j over its sum along the row. A row without mass falls back to the part that
+        The part, and T_ij / sqrt(nu_j) over its sum along the row. A row without mass falls back to the part that
         receives most in all, with share 0.
     """
-    row = np.divide(plan[source_part], target_mass, out=np.zeros(plan.shape[1]), where=target_mass > 0)
+    root = np.sqrt(target_mass)
+    row = np.divide(plan[source_part], root, out=np.zeros(plan.shape[1]), where=root > 0)
     total = float(row.sum())
     if total <= 0:
         return int(np.argmax(plan.sum(axis=0))), 0.0
