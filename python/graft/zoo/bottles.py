@@ -163,7 +163,7 @@ def _reach(x: Floats, section: Floats) -> Floats:
 
 
 def spray(rng: Generator) -> Design:
-    """Return a trigger spray: bottle that an open hand takes, waisted neck that the hand takes to spray, collar, head, trigger and nozzle."""
+    """Return a trigger spray: bottle, waisted neck that the hand takes to spray, collar, head, trigger, nozzle."""
     height, half = rng.uniform(0.125, 0.165), rng.uniform(0.033, 0.0385)
     flat, corner = rng.uniform(0.66, 1.0), rng.uniform(2.0, 3.0)
     section = superellipse(SEGMENTS, 1.0, flat, corner)
