@@ -1,5 +1,6 @@
 """Carry a demonstrated contact over to a target: part match, canonical frames, Fourier codes, landing."""
 
+from graft.contact.agreement import agree
 from graft.contact.dense import DenseMap, dense_map
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import CanonicalFrame, FramePair, align_parts
@@ -10,6 +11,7 @@ __all__ = [
     "DenseMap",
     "FramePair",
     "TransferredContact",
+    "agree",
     "align_parts",
     "dense_map",
     "fourier_encoding",

@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.random import Generator
 
-from graft.contact import TransferredContact, transfer_contact
+from graft.contact import TransferredContact, agree, transfer_contact
 from graft.contact.frames import box_frame
 from graft.evaluate.protocols import Benchmark, Query, Source
 from graft.features import Descriptor, GeometricDescriptor
@@ -103,6 +103,9 @@ class Solver(Protocol):
         ...
 
 
+VOTERS = 5
+"""How many matches vote, as in the demo."""
+
 Landing = Literal["codes", "projected", "unaligned"]
 """Where on the matched part the contact lands: the surface point with the nearest Fourier code and normal;
 the surface point nearest to the contact carried over by the aligned frames; the same by the boxes' frames as
@@ -118,6 +121,7 @@ class Graft:
         solver: Matches part graphs.
         graphs: Parameters of the part graphs.
         landing: How the point is found on the matched part.
+        voters: How many of the best matches vote on the part (`graft.contact.agree`); 1 takes the best as it is.
         exchangeable: No.
     """
 
@@ -125,11 +129,12 @@ class Graft:
     solver: Solver = field(default_factory=UFGW)
     graphs: Graphs = field(default_factory=Graphs)
     landing: Landing = "codes"
+    voters: int = VOTERS
     exchangeable: bool = False
 
     def fit(self, benchmark: Benchmark, graphs: Sequence[PartGraph]) -> GraftPredictor:
         """Keep the graphs; nothing is learned."""
-        return GraftPredictor(self.solver, self.landing, benchmark.sources, tuple(graphs))
+        return GraftPredictor(self.solver, self.landing, self.voters, benchmark.sources, tuple(graphs))
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,12 +144,14 @@ class GraftPredictor:
     Attributes:
         solver: Matches part graphs.
         landing: How the point is found on the matched part.
+        voters: How many of the best matches vote on the part.
         sources: All demonstrations of the benchmark.
         graphs: Of all its subjects.
     """
 
     solver: Solver
     landing: Landing
+    voters: int
     sources: tuple[Source, ...]
     graphs: tuple[PartGraph, ...]
 
@@ -177,16 +184,23 @@ class GraftPredictor:
         ]
 
     def transfers(self, query: Query, k: int) -> list[TransferredContact]:
-        """Return the contacts transferred along the k best matches, for pictures."""
-        return [transfer_contact(match) for _, match in self.retrieve(query, k)]
+        """Return the k best contacts, for pictures: the voters in the order of their parts' votes, then the others."""
+        return [done for _, done in self._ranked(query, k)]
 
     def predict(self, query: Query, k: int, rng: Generator) -> list[Prediction]:
         """Return the contacts transferred along the k best matches."""
-        predictions = []
-        for source, match in self.retrieve(query, k):
-            done = transfer_contact(match)
-            predictions.append(Prediction(self._landed(done), done.target_part, source, done.confidence))
-        return predictions
+        return [
+            Prediction(self._landed(done), done.target_part, source, done.confidence)
+            for source, done in self._ranked(query, k)
+        ]
+
+    def _ranked(self, query: Query, k: int) -> list[tuple[int, TransferredContact]]:
+        """Return k contacts and the sources they come from."""
+        found = self.retrieve(query, max(k, self.voters))
+        origin = {match.rank: source for source, match in found}
+        done = [transfer_contact(match) for _, match in found]
+        ranked = agree(done[: self.voters]) + done[self.voters :]
+        return [(origin[d.match.rank], d) for d in ranked[:k]]
 
     def _landed(self, done: TransferredContact) -> Floats:
         """Return where the contact lands (3,), by this predictor's rule."""

@@ -24,29 +24,33 @@ EM_RATE = 0.4
 """The paper's lambda of the M-step."""
 
 
-def matched_part(plan: Floats, target_mass: Floats, source_part: int) -> tuple[int, float]:
-    """Return the target part that a source part goes to, and its share.
+def part_shares(plan: Floats, target_mass: Floats, source_part: int) -> Floats:
+    """Return how much each target part has of a source part, (m,), adding up to 1.
 
-    The part j with the greatest T_ij / sqrt(nu_j): half way between the plain row of the plan, which favours
-    whatever is large (a body takes the handle's mass because it has room for it), and received mass for own
-    mass, T_ij / nu_j, which favours whatever is tiny (a button).
+    In proportion to T_ij / sqrt(nu_j): half way between the plain row of the plan, which favours whatever is large
+    (a body takes the handle's mass because it has room for it), and received mass for own mass, T_ij / nu_j, which
+    favours whatever is tiny (a button).
 
     Args:
         plan: (n, m) transport plan.
         target_mass: (m,) target masses.
-        source_part: Row of the plan. Ties go to the lowest index.
-
-    Returns:
-        The part, and T_ij / sqrt(nu_j) over its sum along the row. A row without mass falls back to the part that
-        receives most in all, with share 0.
+        source_part: Row of the plan. Of a row without mass all shares are 0.
     """
     root = np.sqrt(target_mass)
     row = np.divide(plan[source_part], root, out=np.zeros(plan.shape[1]), where=root > 0)
-    total = float(row.sum())
-    if total <= 0:
-        return int(np.argmax(plan.sum(axis=0))), 0.0
-    part = int(np.argmax(row))
-    return part, float(row[part]) / total
+    shares: Floats = row / max(float(row.sum()), np.finfo(np.float64).tiny)
+    return shares
+
+
+def matched_part(plan: Floats, target_mass: Floats, source_part: int) -> tuple[int, float]:
+    """Return the target part that a source part goes to, and its share (`part_shares`).
+
+    Ties go to the lowest index. A source part without mass falls back to the part that receives most in all,
+    with share 0.
+    """
+    shares = part_shares(plan, target_mass, source_part)
+    part = int(np.argmax(shares if shares.any() else plan.sum(axis=0)))
+    return part, float(shares[part])
 
 
 @dataclass(frozen=True)
