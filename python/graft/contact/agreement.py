@@ -16,8 +16,9 @@ from graft.errors import InputError
 from graft.transport import part_shares
 
 VOTE_SCALE = 0.05
-"""A match whose cost is higher than the best one's by this speaks 1/e as loud. Over the development objects votes at 0.05
-are never worse than the best match alone; at 0.2 large libraries gain more and libraries of a dozen objects lose."""
+"""A match whose cost is higher than the best one's by this speaks 1/e as loud. Over the development objects votes at
+0.05 are never worse than the best match alone; at 0.2 large libraries gain more and libraries of a dozen objects
+lose."""
 
 
 def agree(transfers: Sequence[TransferredContact]) -> list[TransferredContact]:
