@@ -2,8 +2,8 @@
 
     python benches/geometry.py [OBJECTS_DIR]
 
-OBJECTS_DIR has one folder per object with a mesh.ply and a parts.seg (one part number per face). Without it the parts
-are meshes made on the fly.
+OBJECTS_DIR has one folder per object with a mesh.ply and a parts.seg (one part number per face). Without it
+the parts are meshes made on the fly.
 """
 
 import statistics

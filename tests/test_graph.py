@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -131,7 +132,8 @@ def test_clouds_keep_their_normals_or_get_them():
 
 def test_a_seed_gives_the_same_graph_whatever_the_threads():
     script = (
-        "import sys; sys.path[:0] = ['tests']; from test_graph import hammer; from graft.graph import build_graph\n"
+        f"import sys; sys.path[:0] = [{str(Path(__file__).parent)!r}]\n"
+        "from test_graph import hammer; from graft.graph import build_graph\n"
         "g = build_graph(hammer(), descriptor=None, seed=3)\n"
         "print(hash((g.points[1].tobytes(), g.axes.tobytes(), g.structure.tobytes())))"
     )

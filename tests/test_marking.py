@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from graft import InputError, Part, PartObject, as_object, mark_contact
+from graft import InputError, Part, PartObject, as_object, mark_contact, zoo
 from graft.marking import closest_surface_point, middle_point
 
 TORUS = trimesh.creation.torus(major_radius=0.04, minor_radius=0.008, major_sections=48, minor_sections=16)
@@ -141,3 +141,17 @@ def test_the_middle_of_a_handle_that_points_away_from_the_object():
     contact = mark_contact(obj, "handle").contact
     assert contact.point[2] == pytest.approx(-0.075, abs=0.006)
     assert abs(contact.normal[2]) < 0.1
+
+
+@pytest.mark.parametrize("category", ["wine_bottle", "shampoo", "flashlight"])
+def test_the_middle_of_an_upright_body_is_on_its_wall(category):
+    for seed in range(3):
+        obj = zoo.make(category, seed)
+        contact = mark_contact(obj, "body").contact
+        long_axis = np.ptp(obj.parts[contact.part].vertices, axis=0).argmax()
+        assert abs(contact.normal[long_axis]) < 0.5, "not on the base or the top"
+        low, high = (
+            obj.parts[contact.part].vertices[:, long_axis].min(),
+            obj.parts[contact.part].vertices[:, long_axis].max(),
+        )
+        assert 0.2 < (contact.point[long_axis] - low) / (high - low) < 0.8

@@ -14,7 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from graft.contact import DenseMap, TransferredContact, dense_map, transfer_contact
+    from graft.contact import DenseMap, TransferredContact, agree, dense_map, transfer_contact
     from graft.errors import GraftError, InputError, InputWarning, MissingExtraError
     from graft.features import Descriptor, GeometricDescriptor
     from graft.graph import PartFlag, PartGraph, build_graph
@@ -52,6 +52,7 @@ _HOMES = {
     "PartObject": "graft.objects",
     "TransferredContact": "graft.contact",
     "Transport": "graft.transport",
+    "agree": "graft.contact",
     "as_object": "graft.io",
     "build_graph": "graft.graph",
     "dense_map": "graft.contact",
@@ -93,6 +94,7 @@ __all__ = [
     "PartObject",
     "TransferredContact",
     "Transport",
+    "agree",
     "as_object",
     "build_graph",
     "dense_map",

@@ -16,6 +16,7 @@ __all__ = [
     "part_adjacency",
     "part_geometry",
     "part_hops",
+    "part_relations",
     "render_scene",
     "ufgw_batch",
 ]
@@ -87,6 +88,30 @@ def part_adjacency(gaps: NDArray[np.float64], joints: NDArray[np.int64], thresho
 
 def part_hops(adjacency: NDArray[np.bool_], part: int) -> NDArray[np.int64]:
     """Return the (n,) numbers of steps from `part`, breadth first; n where there is no way."""
+
+def part_relations(
+    centers: NDArray[np.float64],
+    axes: NDArray[np.float64],
+    half_extents: NDArray[np.float64],
+    points: NDArray[np.float64],
+    areas: NDArray[np.float64],
+    diagonal: float,
+    up: tuple[float, float, float] | None = None,
+    *,
+    raw: bool = False,
+) -> NDArray[np.float64]:
+    """Return (n, 34) rows of how each part lies in its object, or (n, 17) raw features, NaN where unknown.
+
+    Args:
+        centers: (n, 3) box centres, object frame and units.
+        axes: (n, 3, 3) box axes in columns.
+        half_extents: (n, 3).
+        points: (n, s, 3) surface samples.
+        areas: (n,) surface areas.
+        diagonal: The object's, object units.
+        up: Unit vector against gravity, or None.
+        raw: Return the features before standardisation.
+    """
 
 # descriptor
 
@@ -178,12 +203,15 @@ def ufgw_pair(
 ]: ...
 def feature_costs(
     source_extents: NDArray[np.float64],
+    source_relations: NDArray[np.float64],
     source_descriptors: NDArray[np.float64] | None,
     target_extents: NDArray[np.float64],
+    target_relations: NDArray[np.float64],
     target_descriptors: NDArray[np.float64] | None,
     *,
     lambda_obb: float,
     lambda_global: float,
+    lambda_relation: float,
     variant: str,
 ) -> NDArray[np.float64]: ...
 

@@ -14,12 +14,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graft import zoo
-from graft.contact import TransferredContact, transfer_contact
+from graft.contact import TransferredContact, agree, transfer_contact
 from graft.documents import Document, transfer_document
 from graft.io import save_object
 from graft.library import Library
 from graft.objects import Demonstration, PartObject
 from graft.viz import save_glb, save_scene, save_sheet
+
+VOTERS = 5
+"""How many matches vote on each target."""
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many are done, how many there are."""
@@ -30,7 +33,7 @@ class DemoRow:
     """One target's result.
 
     Attributes:
-        transferred: From the best match.
+        transferred: The contact that the best `VOTERS` matches agree on.
         seconds: Wall time from the loaded object to the contact: part graph, retrieval, transfer.
         in_mask: Whether the contact lies on a part that a person takes.
     """
@@ -61,12 +64,13 @@ def targets(seed: int = 0) -> list[PartObject]:
 def transfer_all(
     library: Library, objects: Sequence[PartObject], progress: Progress = lambda *_: None
 ) -> list[DemoRow]:
-    """Transfer the best match's contact to each object."""
+    """Transfer the contact that the best matches agree on to each object."""
     rows = []
     for done, obj in enumerate(objects):
         progress(obj.name, done, len(objects))
         start = time.perf_counter()
-        transferred = transfer_contact(library.retrieve(obj, k=1)[0])
+        matches = library.retrieve(obj, k=VOTERS)
+        transferred = agree([transfer_contact(match) for match in matches])[0]
         seconds = time.perf_counter() - start
         rows.append(DemoRow(transferred, seconds, transferred.target_part in obj.graspable))
     return rows

@@ -1,12 +1,12 @@
 """Part graphs: what is matched.
 
-Every part gets its oriented box of minimal volume, surface samples and a descriptor; every pair of parts a gap and an
-edge length. Lengths are compared in shares of the diagonal of the object's minimal oriented box, which, other than that
-of its axis-aligned box, does not change when the object is turned.
+Every part gets its oriented box of minimal volume, surface samples and a descriptor; every pair of parts
+a gap and an edge length. Lengths are compared in shares of the diagonal of the object's minimal oriented box, which,
+other than that of its axis-aligned box, does not change when the object is turned.
 
-A box's frame is stated, not found by chance: axes from the longest extent to the shortest, the first two pointing to
-the side of the centre on which the centroid of the surface lies, right-handed. What no rule can fix, such as how far a
-cylinder's box is turned about its axis, is flagged `SYMMETRIC`.
+A box's frame is stated, not found by chance: axes from the longest extent to the shortest, the first two pointing
+to the side of the centre on which the centroid of the surface lies, right-handed. What no rule can fix, such as how
+far a cylinder's box is turned about its axis, is flagged `SYMMETRIC`.
 """
 
 from __future__ import annotations
@@ -30,8 +30,11 @@ SAMPLES = 1024
 """Surface samples of each part: about 2 % of a handle's length apart."""
 
 ADJACENCY_GAP = 0.02
-"""Boxes closer than this share of the diagonal touch. Parts cut from one surface have boxes that overlap or share a
-rim; modelled parts may leave a slit of a few per mille, and separate legs are ten times farther apart."""
+"""Boxes closer than this share of the diagonal touch. Parts cut from one surface have boxes that overlap or share
+a rim; modelled parts may leave a slit of a few per mille; this leaves room for both."""
+
+DEFAULT_DESCRIPTOR = GeometricDescriptor()
+"""Describes parts where nothing else is asked for."""
 
 SALIENCY = 0.6
 """gamma: what a step away from the demonstrated part costs a part's mass (the paper's value)."""
@@ -69,6 +72,7 @@ class PartGraph:
         gaps: (n, n) distances between boxes in shares of the diagonal.
         structure: (n, n) edge lengths in [0, 1), symmetric, zero diagonal.
         adjacency: (n, n) symmetric, connected.
+        relations: (n, r) how each part lies in its object, compared by 1 - dot product; rows of length at most 1.
         descriptors: (n, d), or None.
         descriptor_name: Model and version of the descriptor, or None.
     """
@@ -86,6 +90,7 @@ class PartGraph:
     gaps: Floats
     structure: Floats
     adjacency: NDArray[np.bool_]
+    relations: Floats
     descriptors: Floats | None
     descriptor_name: str | None
 
@@ -96,7 +101,7 @@ class PartGraph:
 def build_graph(
     obj: PartObject,
     *,
-    descriptor: Descriptor | None = GeometricDescriptor(),
+    descriptor: Descriptor | None = DEFAULT_DESCRIPTOR,
     samples: int = SAMPLES,
     seed: int = 0,
     structure: Structure = "all_pairs",
@@ -110,13 +115,14 @@ def build_graph(
         descriptor: Describes the parts; None leaves descriptors out.
         samples: Surface samples of each part.
         seed: Of the samples; the same seed gives the same graph with any number of threads.
-        structure: Edge lengths between all pairs, l = x / (1 + x) with x = |c_i - c_j| + angle(a_i, a_j) / pi, or
-            along the shortest path of adjacent parts.
+        structure: Edge lengths between all pairs, l = x / (1 + x) with x = |c_i - c_j| + angle(a_i, a_j) / pi,
+            or along the shortest path of adjacent parts.
         unit: What |c_i - c_j| is measured in: the object's diagonal, or metres (needs `scale_to_metres`).
         adjacency_gap: Boxes within this share of the diagonal are adjacent, where the object has no joints.
 
     Raises:
-        InputError: An argument is out of range, or the descriptor's answer has the wrong shape or is not finite.
+        InputError: An argument is out of range, or the descriptor's answer has the wrong shape or is not
+            finite.
     """
     if samples < 1:
         raise InputError(f"samples: expected at least 1, got {samples}")
@@ -132,11 +138,13 @@ def build_graph(
     adjacency = _core.part_adjacency(gaps, joint_pairs(obj.joints), adjacency_gap)
     along = adjacency if structure == "shortest_path" else None
     lengths = _core.edge_lengths(*boxes, _length_unit(obj, diagonal, unit), along)
+    up = None if obj.up is None else tuple(obj.up.tolist())
+    relations = _core.part_relations(*boxes, points, areas, diagonal, up)
     descriptors = None if descriptor is None else _describe(descriptor, obj)
     clouds = [PartFlag.CLOUD if part.is_point_cloud else PartFlag.NONE for part in obj.parts]
     centers, axes, half_extents = boxes
     volumes = 8.0 * half_extents.prod(axis=1)
-    for array in (centers, axes, half_extents, volumes, areas, points, normals, gaps, lengths, adjacency):
+    for array in (centers, axes, half_extents, volumes, areas, points, normals, gaps, lengths, adjacency, relations):
         array.setflags(write=False)
     return PartGraph(
         object=obj,
@@ -152,6 +160,7 @@ def build_graph(
         gaps=gaps,
         structure=lengths,
         adjacency=adjacency,
+        relations=relations,
         descriptors=descriptors,
         descriptor_name=None if descriptor is None else descriptor.name,
     )
@@ -171,25 +180,23 @@ def source_mass(graph: PartGraph, part: int | str, gamma: float = SALIENCY) -> F
     if not 0 < gamma <= 1:
         raise InputError(f"gamma: expected 0 < gamma <= 1, got {gamma}")
     hops = _core.part_hops(graph.adjacency, graph.object.part_index(part))
-    return _shares(gamma ** hops.astype(np.float64) * _relative_volumes(graph))
+    mass: Floats = gamma**hops * _relative_volumes(graph)
+    mass /= mass.sum()
+    return mass
 
 
 def target_prior(graph: PartGraph) -> Floats:
     """Return the prior masses (n,) of a target's nodes: delta_j = V_j / sum V."""
-    return _shares(_relative_volumes(graph))
-
-
-def _shares(mass: Floats) -> Floats:
-    """Return masses (n,) as shares of their sum."""
-    shares: Floats = mass / mass.sum()
-    return shares
+    volumes = _relative_volumes(graph)
+    volumes /= volumes.sum()
+    return volumes
 
 
 def _relative_volumes(graph: PartGraph) -> Floats:
     """Return (n,) box volumes over the largest, which keeps tiny and huge units in range."""
     volumes: Floats = (graph.half_extents / graph.diagonal).prod(axis=1)
-    relative: Floats = volumes / volumes.max()
-    return relative
+    volumes /= volumes.max()
+    return volumes
 
 
 def _measure(

@@ -31,6 +31,9 @@ choose."""
 SAME_PLACE = 1e-6
 """Points closer than this share of the object's size are at the same place."""
 
+NO_SIDE = 0.01
+"""A middle whose offset from the object's centroid is shorter than this share of the object's size faces nowhere."""
+
 PLASTIC = 1.32471795724474602596
 """The plastic number; multiples of its inverse powers cover the square evenly (the R2 sequence, Roberts
 2018)."""
@@ -119,8 +122,9 @@ def middle_point(obj: PartObject, part: int | str) -> Floats:
     The middle is where the mean distance along the surface to the rest of the part is least: within
     `CENTER_BAND`, among `CENTER_SAMPLES` evenly spread points, by shortest paths between neighbours, on the
     largest of several disconnected pieces. The point is the one on the side that faces away from the centroid
-    of the object, square to the middle's long axis if it has one (`BAR_RATIO`). Where there is no such side
-    it is the sample of least mean distance, the first in the order of faces on a tie. No randomness.
+    of the object, square to the long axis of the part and to that of its middle if they have one (`BAR_RATIO`):
+    the wall of a bottle, not its base. Where there is no such side (`NO_SIDE`) it is the sample of least mean
+    distance, the first in the order of faces on a tie. No randomness.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components, shortest_path
@@ -141,11 +145,12 @@ def middle_point(obj: PartObject, part: int | str) -> Floats:
     center = middle.mean(axis=0)
     reach = float(np.linalg.norm(middle - center, axis=1).max())
     outwards = center - _centroid(obj)
-    spread, axes = np.linalg.eigh(np.cov((middle - center).T)) if len(middle) > 1 else (np.zeros(3), np.eye(3))
-    if spread[2] > BAR_RATIO * spread[1]:  # sideways from a bar, not towards its end
-        outwards = outwards - (outwards @ axes[:, 2]) * axes[:, 2]
+    for cloud in (points, middle):  # sideways from a bar, not towards its end
+        spread, axes = np.linalg.eigh(np.cov((cloud - center).T)) if len(cloud) > 1 else (np.zeros(3), np.eye(3))
+        if spread[2] > BAR_RATIO * spread[1]:
+            outwards = outwards - (outwards @ axes[:, 2]) * axes[:, 2]
     length = float(np.linalg.norm(outwards))
-    if length <= SAME_PLACE * float(np.linalg.norm(np.ptp(obj.bounds, axis=0))):
+    if length <= NO_SIDE * float(np.linalg.norm(np.ptp(obj.bounds, axis=0))):
         first = int(np.flatnonzero(mean <= mean.min() * (1 + SAME_PLACE))[0])
         return np.array(points[members[first]], np.float64)
     return closest_surface_point(chosen, center + outwards * (reach / length))[0]

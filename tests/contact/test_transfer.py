@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from graft import zoo
-from graft.contact import dense_map, matched_part, transfer_contact
+from graft.contact import dense_map, transfer_contact
 from graft.contact.transfer import _shortest_turn
 from graft.library import match
 from graft.marking import closest_surface_point
@@ -73,11 +73,6 @@ def test_units_go_into_the_transform():
     millimetres = demonstration.object.transformed(np.diag([1000.0, 1000.0, 1000.0, 1.0]))
     result = transfer_contact(match(demonstration, millimetres))
     assert np.cbrt(np.linalg.det(result.transform[:3, :3])) == pytest.approx(1000.0)
-
-
-def test_matched_part_ties_and_empty_rows():
-    assert matched_part(np.array([[0.2, 0.2], [0.1, 0.5]]), 0) == (0, 0.5)
-    assert matched_part(np.array([[0.0, 0.0], [0.1, 0.5]]), 0) == (1, 0.0)
 
 
 unit = st.tuples(*[st.floats(-1, 1) for _ in range(3)]).filter(lambda v: np.linalg.norm(v) > 0.1)

@@ -68,7 +68,7 @@ def test_nothing_is_left_behind_when_saving_fails(tmp_path, demo, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("graft.io.demonstrations.write_atomically", full)
+    monkeypatch.setattr("graft.io.demonstrations.write_whole", full)
     with pytest.raises(OSError, match="No space"):
         save_demonstration(demo, tmp_path / "cup")
     with pytest.raises(OSError, match="No space"):

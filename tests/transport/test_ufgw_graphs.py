@@ -1,59 +1,49 @@
 """The solver on part graphs: masses, feature costs, descriptors."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from graft.errors import InputError
-from graft.objects import Floats
-from graft.transport import UFGW, ufgw
-
-
-@dataclass(frozen=True)
-class Named:
-    name: str
-
-
-@dataclass(frozen=True, eq=False)
-class Graph:
-    """What the solver reads of a part graph."""
-
-    object: Named
-    diagonal: float
-    centers: Floats
-    half_extents: Floats
-    volumes: Floats
-    structure: Floats
-    adjacency: np.ndarray
-    descriptors: Floats | None
-    descriptor_name: str | None
+from graft.graph import PartFlag, PartGraph
+from graft.objects import Part, PartObject
+from graft.transport import UFGW, matched_part, ufgw
 
 
 def make_graph(seed, n, descriptors=True, diagonal=2.0):
+    """A part graph of n parts with random boxes, relations and descriptors; its parts hang in a row."""
     rng = np.random.default_rng(seed)
     centers = rng.random((n, 3))
     distance = np.linalg.norm(centers[:, None] - centers[None], axis=-1)
     extents = -np.sort(-rng.random((n, 3)), axis=1)
-    path = np.abs(np.subtract.outer(np.arange(n), np.arange(n))) == 1
-    return Graph(
-        object=Named(f"object{seed}"),
+    relations = rng.normal(size=(n, 6))
+    return PartGraph(
+        object=PartObject(f"object{seed}", tuple(Part(f"part{k}", [c]) for k, c in enumerate(centers))),
         diagonal=diagonal,
         centers=centers,
+        axes=np.tile(np.eye(3), (n, 1, 1)),
         half_extents=diagonal * extents,
-        volumes=8 * extents.prod(1),
+        volumes=8 * (diagonal * extents).prod(1),
+        areas=np.ones(n),
+        flags=(PartFlag.CLOUD,) * n,
+        points=tuple(centers[:, None]),
+        normals=tuple(np.tile([0.0, 0.0, 1.0], (n, 1, 1))),
+        gaps=distance,
         structure=distance / (1 + distance),
-        adjacency=path,
+        adjacency=np.abs(np.subtract.outer(np.arange(n), np.arange(n))) == 1,
+        relations=relations / np.linalg.norm(relations, axis=1, keepdims=True),
         descriptors=rng.normal(size=(n, 8)) if descriptors else None,
         descriptor_name="random-1" if descriptors else None,
     )
 
 
-def feature_cost(source, target, lambda_obb=1.0, lambda_global=1.0):
+def feature_cost(source, target, lambda_obb=1.0, lambda_global=1.0, lambda_relation=1.0):
     cost = np.empty((len(source.centers), len(target.centers)))
     for i, j in np.ndindex(cost.shape):
         e, d = source.half_extents[i] / source.diagonal, target.half_extents[j] / target.diagonal
         cost[i, j] = lambda_obb * np.tanh(np.linalg.norm(e - d) / 2)
+        cost[i, j] += lambda_relation * (1 - source.relations[i] @ target.relations[j])
         if source.descriptors is not None and target.descriptors is not None:
             f, g = source.descriptors[i], target.descriptors[j]
             cost[i, j] += lambda_global * (1 - f @ g / np.linalg.norm(f) / np.linalg.norm(g))
@@ -69,9 +59,9 @@ def test_the_defaults_are_designs():
 def test_features_are_their_formula_whatever_each_source_has():
     sources = [make_graph(1, 4), make_graph(2, 3, descriptors=False), make_graph(3, 5)]
     target = make_graph(4, 6, diagonal=0.1)
-    found = UFGW(lambda_obb=0.7, lambda_global=0.2).features(sources, target)
+    found = UFGW(lambda_obb=0.7, lambda_global=0.2, lambda_relation=0.4).features(sources, target)
     for source, cost in zip(sources, found, strict=True):
-        np.testing.assert_allclose(cost, feature_cost(source, target, 0.7, 0.2), atol=1e-12)
+        np.testing.assert_allclose(cost, feature_cost(source, target, 0.7, 0.2, 0.4), atol=1e-12)
 
 
 def test_one_call_is_the_formulas_by_hand():
@@ -99,6 +89,26 @@ def test_a_batch_is_its_single_calls():
     assert solver.batch([], [], target) == []
 
 
+def test_the_ranking_adds_the_demonstrated_parts_own_cost():
+    source, target = make_graph(1, 4), make_graph(2, 5)
+    plain = UFGW(part_weight=0.0, doubt_weight=0.0)(source, target, 2)
+    ranked = UFGW(part_weight=0.7, doubt_weight=0.2)(source, target, 2)
+    part, share = matched_part(plain.plan, plain.target_mass, 2)
+    own, doubt = 0.7 * feature_cost(source, target)[2, part], -0.2 * np.log(share)
+    np.testing.assert_array_equal(ranked.plan, plain.plan)
+    assert ranked.terms["part"] == pytest.approx(own)
+    assert ranked.terms["doubt"] == pytest.approx(doubt)
+    assert ranked.cost == pytest.approx(plain.cost + own + doubt)
+
+
+def test_the_matched_part_receives_most_for_the_root_of_its_mass():
+    plan = np.array([[0.1, 0.15], [0.1, 0.6]])
+    assert matched_part(plan, np.array([0.16, 0.64]), 0) == (0, pytest.approx(0.25 / (0.25 + 0.1875)))
+    assert matched_part(np.array([[0.1, 0.2]]), np.array([0.16, 0.64]), 0) == (0, 0.5), "ties go to the lowest"
+    assert matched_part(np.array([[0.0, 0.0], [0.1, 0.5]]), np.array([0.2, 0.8]), 0) == (1, 0.0)
+    assert matched_part(np.array([[0.1, 0.0]]), np.array([0.1, 0.0]), 0) == (0, 1.0), "a part without mass"
+
+
 def test_an_object_suits_itself_best():
     target = make_graph(1, 5)
     costs = [t.cost for t in UFGW().batch([make_graph(k, 5) for k in range(4)], [0] * 4, target)]
@@ -107,7 +117,7 @@ def test_an_object_suits_itself_best():
 
 def test_the_debiased_cost_is_nearly_nothing_for_an_object_and_itself():
     target = make_graph(1, 5)
-    solver = UFGW(cost="debiased", em_rate=None, saliency=1.0, eps=0.01)
+    solver = UFGW(cost="debiased", em_rate=None, saliency=1.0, eps=0.01, part_weight=0.0, doubt_weight=0.0)
     same, other = solver.batch([target, make_graph(2, 5)], [0, 0], target)
     assert abs(same.cost) < 0.1 * other.cost
 
@@ -117,7 +127,9 @@ def test_the_papers_variant_is_its_formula():
     gap = np.linalg.norm(source.half_extents[:, None] / 2 - target.half_extents[None] / 2, axis=-1)
     unit = [g.descriptors / np.linalg.norm(g.descriptors, axis=1, keepdims=True) for g in (source, target)]
     expected = 1 / (1 + np.exp(-gap)) + 1 + unit[0] @ unit[1].T
-    np.testing.assert_allclose(UFGW(variant="paper").features([source], target)[0], expected, atol=1e-12)
+    np.testing.assert_allclose(
+        UFGW(variant="paper", lambda_relation=0.0).features([source], target)[0], expected, atol=1e-12
+    )
 
 
 def test_different_descriptors_are_refused_and_named():

@@ -31,9 +31,9 @@ class Loading:
     parts: Literal["auto", "bodies", "geoms", "links", "visuals"] = "auto"
     """MJCF: bodies or geoms as parts. URDF: links or visuals as parts."""
     up: tuple[float, float, float] | None = None
-    """Direction against gravity in the object frame, where the file does not tell."""
+    """Direction against gravity in the object frame, instead of what the file says."""
     scale_to_metres: float | None = None
-    """Metres per object unit, where the file does not tell (0.001 for millimetres)."""
+    """Metres per object unit, instead of what the file says (0.001 for millimetres)."""
 
     def load(self, path: Path) -> PartObject:
         """Read an object with these options."""

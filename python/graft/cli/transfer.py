@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import tyro
 from rich.console import Console
@@ -11,7 +12,7 @@ from rich.table import Table
 
 from graft.cli import EXIT_OK
 from graft.cli.options import Loading, LoadingFlags, Matching, MatchingFlags, check_outputs, print_json, write_outputs
-from graft.contact import TransferredContact, transfer_contact
+from graft.contact import TransferredContact, agree, transfer_contact
 from graft.documents import transfer_document
 from graft.library import Library
 
@@ -24,8 +25,8 @@ class TransferCommand:
     """The object to be grasped."""
     library: Path
     """A folder of demonstrations (folders with a demonstration.json)."""
-    k: int = 5
-    """How many matches to transfer from, best first."""
+    k: Annotated[int, tyro.conf.arg(aliases=["-k"])] = 5
+    """How many matches to transfer from; their parts vote, and the winner's contacts come first."""
     json: bool = False
     """Print one JSON document and nothing else."""
     out: tuple[Path, ...] = ()
@@ -38,7 +39,7 @@ class TransferCommand:
         check_outputs(self.out)
         library = Library.open(self.library, solver=self.matching.solver(), descriptor=self.matching.described())
         target = self.loading.load(self.target)
-        results = [transfer_contact(found) for found in library.retrieve(target, k=self.k)]
+        results = agree([transfer_contact(found) for found in library.retrieve(target, k=self.k)])
         if self.json:
             print_json({"target": target.name, "matches": [transfer_document(r) for r in results]})
         else:

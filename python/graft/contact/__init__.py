@@ -1,18 +1,19 @@
 """Carry a demonstrated contact over to a target: part match, canonical frames, Fourier codes, landing."""
 
+from graft.contact.agreement import agree
 from graft.contact.dense import DenseMap, dense_map
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import CanonicalFrame, FramePair, align_parts
-from graft.contact.transfer import TransferredContact, matched_part, transfer_contact
+from graft.contact.transfer import TransferredContact, transfer_contact
 
 __all__ = [
     "CanonicalFrame",
     "DenseMap",
     "FramePair",
     "TransferredContact",
+    "agree",
     "align_parts",
     "dense_map",
     "fourier_encoding",
-    "matched_part",
     "transfer_contact",
 ]

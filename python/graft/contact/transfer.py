@@ -16,6 +16,7 @@ from graft.contact.frames import FramePair, align_parts
 from graft.library import Match
 from graft.marking import closest_surface_point
 from graft.objects import Contact, Floats
+from graft.transport import matched_part
 
 NORMAL_WEIGHT = 0.5
 """Weight of the squared difference of unit normals beside the squared difference of codes. Keeps a contact on the
@@ -39,9 +40,8 @@ class TransferredContact:
         transform: (4, 4) T_target_source: takes the demonstrated contact to the transferred one, point to point
             and normal to normal, and with them a gripper pose; a rotation, a translation, and the ratio of
             units where both objects know their metres.
-        confidence: In [0, 1]: share of the demonstrated part's mass that went to this part, times
-            exp(-cost / COST_SCALE). An ordering, not a probability.
-        share: Share of the demonstrated part's transported mass that the target part received.
+        confidence: In [0, 1]: share times exp(-cost / COST_SCALE). An ordering, not a probability.
+        share: Of the target part in the demonstrated part's row of the plan (`graft.transport.matched_part`).
         frames: The aligned canonical frames.
         match: What it was transferred along.
     """
@@ -56,22 +56,6 @@ class TransferredContact:
     match: Match
 
 
-def matched_part(plan: Floats, source_part: int) -> tuple[int, float]:
-    """Return the target part that receives most of a source part, and the share it receives.
-
-    Args:
-        plan: (n, m) transport plan.
-        source_part: Row of the plan. Ties go to the lowest index. An empty row falls back to the column
-            that receives most in all, with share 0.
-    """
-    row = plan[source_part]
-    total = float(row.sum())
-    if total <= 0:
-        return int(np.argmax(plan.sum(axis=0))), 0.0
-    part = int(np.argmax(row))
-    return part, float(row[part]) / total
-
-
 def transfer_contact(match: Match) -> TransferredContact:
     """Transfer the demonstrated contact of `match` to its target.
 
@@ -79,7 +63,7 @@ def transfer_contact(match: Match) -> TransferredContact:
         The contact with its normal on the target's surface, the transform, a confidence.
     """
     contact = match.demonstration.contact
-    target_part, share = matched_part(match.transport.plan, contact.part)
+    target_part, share = matched_part(match.transport.plan, match.transport.target_mass, contact.part)
     frames = align_parts(match.source, contact.part, match.target, target_part, match.transport.plan)
 
     place = frames.source.to_canonical(contact.point)

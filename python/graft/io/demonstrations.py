@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from graft.errors import InputError
+from graft.io.atomic import write_whole
 from graft.io.folder import DEMONSTRATION_FILE
 from graft.io.guards import malformed_is_input_error, read_json, resolve_inside
 from graft.io.load import load_object
-from graft.io.save import save_object, write_atomically
+from graft.io.save import save_object
 from graft.marking import closest_surface_point
 from graft.objects import Contact, Demonstration, Floats, PartObject
 
@@ -148,7 +149,7 @@ def save_demonstration(demonstration: Demonstration, folder: str | Path) -> None
     try:
         new = work / "new"
         save_object(obj, new / OBJECT_FILE)
-        write_atomically(new / DEMONSTRATION_FILE, text.encode())
+        write_whole(new / DEMONSTRATION_FILE, text.encode())
         if folder.exists():
             folder.rename(work / "old")
             try:

@@ -162,7 +162,7 @@ def cleaned(mesh: RawMesh) -> Piece:
             f"({int((~finite).sum())} vertices)"
         )
     solid = np.zeros(len(faces), bool)
-    solid[good] = _has_area(vertices, faces[good])
+    solid[good] = has_area(vertices, faces[good])
     if (good & ~solid).any():
         notes.append(f"dropped {int((good & ~solid).sum())} of {len(faces)} faces without area")
     if not solid.any():
@@ -176,7 +176,8 @@ def cleaned(mesh: RawMesh) -> Piece:
     return Piece(mesh.name, vertices, faces, None, tuple(notes))
 
 
-def _has_area(vertices: Floats, faces: Ints) -> Mask:
+def has_area(vertices: Floats, faces: Ints) -> Mask:
+    """Return (f,) whether each triangle has an area worth the name, in any unit."""
     corners = vertices[faces]
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     # Scaled by the longest edge first, so that neither tiny nor huge units underflow or overflow.

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
-import os
 import struct
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from graft.errors import InputError
+from graft.io.atomic import write_whole
 from graft.io.gltf import EXTRAS_KEY, GRAFT_SCHEMA, POINTS, TRIANGLES, UP
 from graft.io.gltf_buffers import CHUNK_BIN, CHUNK_JSON, MAGIC
+from graft.io.pieces import has_area
 from graft.objects import Floats, Joint, Part, PartObject
 
 FLOAT, UINT = 5126, 5125
@@ -28,8 +28,8 @@ def save_object(obj: PartObject, path: str | Path) -> None:
 
     GLB (.glb) keeps everything: names, labels, joints, up, scale, category, graspable parts, notes, in the
     `extras` of the root node. `graft.load_object` gives the object back, vertices rounded to float32, as glTF
-    has no other. The root node turns the object +Y up and scales it to metres, so that other programs show it
-    as glTF wants it.
+    has no other, and without the faces that have no area then. The root node turns the object +Y up and scales
+    it to metres, so that other programs show it as glTF wants it.
 
     OBJ (.obj) keeps the vertices to the last bit and the parts as objects called by their names, and nothing
     else.
@@ -49,25 +49,8 @@ def save_object(obj: PartObject, path: str | Path) -> None:
         data = _obj_bytes(obj, path)
     else:
         raise InputError(f"cannot write {suffix!r}: expected .glb or .obj", path=path)
-    write_atomically(path, data)
-
-
-def write_atomically(path: Path, data: bytes) -> None:
-    """Write a file under another name, flush it to disk, and rename it."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(temporary).chmod(0o666 & ~umask)  # mkstemp's are for the owner only
-        Path(temporary).replace(path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    write_whole(path, data)
 
 
 def glb_bytes(obj: PartObject) -> bytes:
@@ -101,7 +84,10 @@ def glb_bytes(obj: PartObject) -> bytes:
         if part.normals is not None:
             found["attributes"]["NORMAL"] = add(part.normals.astype("<f4"), FLOAT, "VEC3", ARRAY_BUFFER)
         if not part.is_point_cloud:
-            found["indices"] = add(part.faces.ravel().astype("<u4"), UINT, "SCALAR", ELEMENT_BUFFER)
+            # A sliver that is flat in single precision would be noticed and dropped by every reader.
+            solid = has_area(positions.astype(np.float64), part.faces)
+            faces = part.faces[solid] if solid.any() else part.faces
+            found["indices"] = add(faces.ravel().astype("<u4"), UINT, "SCALAR", ELEMENT_BUFFER)
         return found
 
     meshes = [{"name": part.name, "primitives": [primitive(part)]} for part in obj.parts]

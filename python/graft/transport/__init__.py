@@ -4,7 +4,7 @@
 """
 
 from graft.transport.gradients import Gradients, ufgw_gradients
-from graft.transport.graphs import UFGW
+from graft.transport.graphs import UFGW, matched_part, part_shares
 from graft.transport.pairs import Pairs
 from graft.transport.result import TERMS, Transport, Transports
 from graft.transport.solver import ufgw, ufgw_batch, ufgw_packed
@@ -16,6 +16,8 @@ __all__ = [
     "Pairs",
     "Transport",
     "Transports",
+    "matched_part",
+    "part_shares",
     "ufgw",
     "ufgw_batch",
     "ufgw_gradients",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -19,18 +19,58 @@ from graft.transport.solver import Entropy, Loss, ufgw_batch
 SALIENCY = 0.6
 """The paper's gamma: factor on a part's mass per hop from the demonstrated part."""
 
+SMALLEST_SHARE = 1e-9
+"""Shares below this (a demonstrated part that goes nowhere) count as this in the ranking."""
+
 EM_RATE = 0.4
 """The paper's lambda of the M-step."""
+
+
+def part_shares(plan: Floats, target_mass: Floats, source_part: int) -> Floats:
+    """Return how much each target part has of a source part, (m,), adding up to 1.
+
+    In proportion to T_ij / sqrt(nu_j): half way between the plain row of the plan, which favours whatever is large
+    (a body takes the handle's mass because it has room for it), and received mass for own mass, T_ij / nu_j, which
+    favours whatever is tiny (a button).
+
+    Args:
+        plan: (n, m) transport plan.
+        target_mass: (m,) target masses.
+        source_part: Row of the plan. Of a row without mass all shares are 0.
+    """
+    root = np.sqrt(target_mass)
+    row = np.divide(plan[source_part], root, out=np.zeros(plan.shape[1]), where=root > 0)
+    shares: Floats = row / max(float(row.sum()), np.finfo(np.float64).tiny)
+    return shares
+
+
+def matched_part(plan: Floats, target_mass: Floats, source_part: int) -> tuple[int, float]:
+    """Return the target part that a source part goes to, and its share (`part_shares`).
+
+    Ties go to the lowest index. A source part without mass falls back to the part that receives most in all,
+    with share 0.
+    """
+    shares = part_shares(plan, target_mass, source_part)
+    part = int(np.argmax(shares if shares.any() else plan.sum(axis=0)))
+    return part, float(shares[part])
 
 
 @dataclass(frozen=True)
 class UFGW:
     """Match part graphs by unbalanced fused Gromov-Wasserstein transport with EM target masses.
 
-    The feature cost is M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)), e half
-    extents relative to the object's diagonal and f descriptors; structures are the graphs' edge lengths;
-    source masses are volumes damped by `saliency` per hop from the demonstrated part, the target's prior
-    is its volumes.
+    The feature cost is
+
+        M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)) + lambda_relation (1 - r_i . r_j)
+
+    with e half extents relative to the object's diagonal, f descriptors and r relations (`PartGraph.relations`);
+    structures are the graphs' edge lengths; source masses are volumes damped by `saliency` per hop from the
+    demonstrated part, the target's prior is its volumes.
+
+    A match is ranked by the transport's cost plus two terms about the demonstrated part p, which goes to part q with a
+    share of s (`matched_part`): `part_weight` M_pq, as most of a transport's cost is about bodies, which are large,
+    and says little about the part that is taken; and `doubt_weight` -log s, as a source that cannot tell two of the
+    target's parts apart should not be the one to choose.
 
     Attributes:
         alpha: Weight of the features; 1 - alpha weighs the structure (POT's alpha is the opposite).
@@ -44,6 +84,9 @@ class UFGW:
         lambda_obb: Weight of the boxes in M.
         lambda_global: Weight of the descriptors in M; without descriptors their term is dropped, the
             weights stay.
+        lambda_relation: Weight of the relations in M; 0 is the paper's.
+        part_weight: Weight of the demonstrated part's own feature cost in the ranking; 0 is the paper's.
+        doubt_weight: Weight of -log share in the ranking; 0 is the paper's.
         variant: "graft", or "paper" for the literal sigmoid(|e_i - e_j|) and cos, the latter plus 1 to be
             a cost.
         cost: What transports are ranked by, see `graft.transport.ufgw`.
@@ -62,6 +105,9 @@ class UFGW:
     saliency: float = SALIENCY
     lambda_obb: float = 1.0
     lambda_global: float = 1.0
+    lambda_relation: float = 1.0
+    part_weight: float = 0.3
+    doubt_weight: float = 0.1
     variant: Literal["graft", "paper"] = "graft"
     cost: Cost = "sharp"
     tol: float = 1e-6
@@ -98,7 +144,7 @@ class UFGW:
             own_target = self.features([target], target)[0]
             self_features = [(self.features([source], source)[0], own_target) for source in sources]
         count = len(sources)
-        found = ufgw_batch(
+        transports = ufgw_batch(
             features,
             [source.structure for source in sources],
             [target.structure] * count,
@@ -117,7 +163,18 @@ class UFGW:
             max_outer=self.max_outer,
             threads=self.threads,
         )
-        return list(found)
+        return [
+            self._ranked(transport, matrix, part)
+            for transport, matrix, part in zip(transports, features, source_parts, strict=True)
+        ]
+
+    def _ranked(self, transport: Transport, features: Floats, source_part: int) -> Transport:
+        """Return the transport with what it says of the demonstrated part in its ranking cost and terms."""
+        part, share = matched_part(transport.plan, transport.target_mass, source_part)
+        own = self.part_weight * float(features[source_part, part])
+        doubt = -self.doubt_weight * float(np.log(max(share, SMALLEST_SHARE)))
+        terms = {**transport.terms, "part": own, "doubt": doubt}
+        return replace(transport, cost=transport.cost + own + doubt, terms=terms)
 
     def features(self, sources: Sequence[PartGraph], target: PartGraph) -> list[Floats]:
         """Return the feature cost M (n_k, m) of every source against the target.
@@ -134,11 +191,14 @@ class UFGW:
             try:
                 stacked = _core.feature_costs(
                     np.concatenate([_relative_extents(sources[k]) for k in chosen]),
+                    np.concatenate([sources[k].relations for k in chosen]),
                     np.concatenate([_descriptors(sources[k]) for k in chosen]) if use else None,
                     _relative_extents(target),
+                    target.relations,
                     _descriptors(target) if use else None,
                     lambda_obb=self.lambda_obb,
                     lambda_global=self.lambda_global,
+                    lambda_relation=self.lambda_relation,
                     variant=self.variant,
                 )
             except ValueError as error:

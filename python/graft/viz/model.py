@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import trimesh
 
+from graft.io.atomic import write_whole
 from graft.objects import Floats
-from graft.viz.files import check_output, write_whole
+from graft.viz.files import check_output
 from graft.viz.layout import Cell, Placed, lay_out
 from graft.viz.meshes import surface
 from graft.viz.shapes import Shape, contact_shapes, rod

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from graft.errors import MissingExtraError
+from graft.io.atomic import write_whole
 from graft.objects import Floats, PartObject
 from graft.viz.colors import CONTACT
-from graft.viz.files import check_output, write_whole
+from graft.viz.files import check_output
 from graft.viz.layout import Cell, Placed, lay_out, place_alone
 from graft.viz.meshes import quaternion, surface
 from graft.viz.shapes import ARROW_LENGTH, BALL_RADIUS

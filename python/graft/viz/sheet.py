@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from graft.io.atomic import write_whole
 from graft.viz.colors import BAD, GOOD, UNKNOWN, Colors
-from graft.viz.files import check_output, write_whole
+from graft.viz.files import check_output
 from graft.viz.picture import draw_contact, encode_png, require_pillow
 from graft.viz.shapes import rgb
 from graft.viz.tile import (

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from graft.io.atomic import write_whole
 from graft.objects import PartObject
 from graft.viz.camera import STANDARD_VIEWS, fit, framed, look_from
 from graft.viz.colors import part_colors
-from graft.viz.files import check_output, write_whole
+from graft.viz.files import check_output
 from graft.viz.picture import draw_shapes, encode_png, require_pillow
 from graft.viz.shapes import object_shapes, rgb
 from graft.viz.tile import BODY, FAINT, SMALL, TITLE, blank, legend_rows, paste, write, write_legend

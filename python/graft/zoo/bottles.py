@@ -32,7 +32,7 @@ def _cap(radius: float, z: float, height: float, *, taper: float = 1.0, ribs: in
 
 def wine_bottle(rng: Generator) -> Design:
     """Return a wine bottle of the Bordeaux, the Burgundy or the flute form."""
-    radius, tall = rng.uniform(0.035, 0.041), rng.uniform(0.285, 0.33)
+    radius, tall = rng.uniform(0.034, 0.0385), rng.uniform(0.285, 0.33)
     neck = rng.uniform(0.0135, 0.0155)
     form = rng.choice(3)
     low, high = ((0.545, 0.66), (0.45, 0.665), (0.40, 0.70))[form]
@@ -57,8 +57,8 @@ def wine_bottle(rng: Generator) -> Design:
             step=0.008,
             closed=True,
         )
-    grip = (high + lip) / 2
-    return Design(parts, ("neck",), Touch("neck", (neck, 0, grip), (1, 0, 0), "pour"))
+    # By the body, above the label, as one pours; also what an open hand of 8 cm takes.
+    return Design(parts, ("body", "neck"), Touch("body", (radius, 0, 0.92 * low), (1, 0, 0), "pour"))
 
 
 def detergent(rng: Generator) -> Design:
@@ -163,8 +163,8 @@ def _reach(x: Floats, section: Floats) -> Floats:
 
 
 def spray(rng: Generator) -> Design:
-    """Return a trigger spray: bottle, waisted neck that the hand takes, collar, head, trigger and nozzle."""
-    height, half = rng.uniform(0.125, 0.165), rng.uniform(0.036, 0.046)
+    """Return a trigger spray: bottle, waisted neck that the hand takes to spray, collar, head, trigger, nozzle."""
+    height, half = rng.uniform(0.125, 0.165), rng.uniform(0.033, 0.0385)
     flat, corner = rng.uniform(0.66, 1.0), rng.uniform(2.0, 3.0)
     section = superellipse(SEGMENTS, 1.0, flat, corner)
     waist = rng.uniform(0.9, 1.04)
@@ -201,4 +201,4 @@ def spray(rng: Generator) -> Design:
         ).moved((front + 0.006, 0, head - 0.004), facing((1, 0, 0))),
     }
     at = low + 0.55 * tall
-    return Design(parts, ("neck",), Touch("neck", (-radius_at(neck, at), 0, at), (-1, 0, 0), "spray"))
+    return Design(parts, ("neck", "body"), Touch("neck", (-radius_at(neck, at), 0, at), (-1, 0, 0), "spray"))

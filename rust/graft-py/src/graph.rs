@@ -1,8 +1,9 @@
 //! Relations between parts.
 
 use graft_core::{Error, graph};
+use nalgebra::Vector3;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use crate::convert::{finite, slice, to_py};
@@ -101,4 +102,51 @@ pub fn part_hops<'py>(
     }
     let steps = graph::hops(n, slice("adjacency", &adjacency)?, part);
     Ok(PyArray1::from_iter(py, steps.into_iter().map(|s| s as i64)))
+}
+
+/// How each part lies in its object: rows (n, 34) of length at most 1, or the raw features (n, 17), NaN where unknown.
+#[pyfunction]
+#[pyo3(signature = (centers, axes, half_extents, points, areas, diagonal, up=None, *, raw=false))]
+#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
+pub fn part_relations<'py>(
+    py: Python<'py>,
+    centers: PyReadonlyArray2<'py, f64>,
+    axes: PyReadonlyArray3<'py, f64>,
+    half_extents: PyReadonlyArray2<'py, f64>,
+    points: PyReadonlyArray3<'py, f64>,
+    areas: PyReadonlyArray1<'py, f64>,
+    diagonal: f64,
+    up: Option<[f64; 3]>,
+    raw: bool,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let found = boxes(&centers, &axes, &half_extents)?;
+    let n = found.len();
+    let (count, samples, three) = points.as_array().dim();
+    let areas = finite("areas", &areas)?;
+    if (count, three) != (n, 3) || samples == 0 || areas.len() != n {
+        let got = format!("({count}, {samples}, {three}) and ({},)", areas.len());
+        return Err(to_py(&Error::shape("points and areas", format!("shapes ({n}, s, 3) and ({n},)"), got)));
+    }
+    if !(diagonal.is_finite() && diagonal > 0.0) {
+        return Err(to_py(&Error::value("diagonal", "a positive number", diagonal)));
+    }
+    let (triples, _) = finite("points", &points)?.as_chunks::<3>();
+    let parts: Vec<_> = found
+        .iter()
+        .zip(triples.chunks_exact(samples))
+        .zip(areas)
+        .map(|((bounds, points), &area)| graph::PartSurface { bounds, points, area })
+        .collect();
+    let up = up.map(Vector3::from);
+    let (width, rows) = py.detach(|| {
+        if raw {
+            let rows = graph::raw_relations(&parts, diagonal, up);
+            (graph::relations::FEATURES, rows.iter().flatten().map(|x| x.unwrap_or(f64::NAN)).collect())
+        } else {
+            (graph::relations::WIDTH, graph::relations(&parts, diagonal, up))
+        }
+    });
+    let table = Array2::from_shape_vec((n, width), rows)
+        .map_err(|e| to_py(&Error::shape("relations", format!("({n}, {width})"), e)))?;
+    Ok(table.into_pyarray(py))
 }

@@ -24,5 +24,5 @@ mod _core {
     #[pymodule_export]
     use crate::geometry::{convex_hull, oriented_box, part_geometry};
     #[pymodule_export]
-    use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops};
+    use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops, part_relations};
 }

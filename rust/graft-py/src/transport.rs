@@ -231,29 +231,34 @@ pub fn ufgw_pair<'py>(
 
 /// Feature cost of n source parts (of any number of objects) and m target parts.
 #[pyfunction]
-#[pyo3(signature = (source_extents, source_descriptors, target_extents, target_descriptors, *, lambda_obb,
-    lambda_global, variant))]
+#[pyo3(signature = (source_extents, source_relations, source_descriptors, target_extents, target_relations,
+    target_descriptors, *, lambda_obb, lambda_global, lambda_relation, variant))]
 #[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)]
 pub fn feature_costs<'py>(
     py: Python<'py>,
     source_extents: PyReadonlyArray2<'py, f64>,
+    source_relations: PyReadonlyArray2<'py, f64>,
     source_descriptors: Option<PyReadonlyArray2<'py, f64>>,
     target_extents: PyReadonlyArray2<'py, f64>,
+    target_relations: PyReadonlyArray2<'py, f64>,
     target_descriptors: Option<PyReadonlyArray2<'py, f64>>,
     lambda_obb: f64,
     lambda_global: f64,
+    lambda_relation: f64,
     variant: &str,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let variant = choice("variant", variant, &[("graft", Variant::Graft), ("paper", Variant::Paper)])?;
     let source = Features {
         extents: boxes("source half extents", &source_extents)?,
+        relations: finite("source relations", &source_relations)?,
         descriptors: source_descriptors.as_ref().map(|d| finite("source descriptors", d)).transpose()?,
     };
     let target = Features {
         extents: boxes("target half extents", &target_extents)?,
+        relations: finite("target relations", &target_relations)?,
         descriptors: target_descriptors.as_ref().map(|d| finite("target descriptors", d)).transpose()?,
     };
-    let cost = FeatureCost { lambda_obb, lambda_global, variant };
+    let cost = FeatureCost { lambda_obb, lambda_global, lambda_relation, variant };
     let matrix = py.detach(|| cost.matrix(source, target)).map_err(|error| to_py(&error))?;
     matrix.into_pyarray(py).reshape([source.extents.len() / 3, target.extents.len() / 3])
 }

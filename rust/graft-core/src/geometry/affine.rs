@@ -59,7 +59,7 @@ pub fn span(points: &[Vec3]) -> Span {
         corners: [start, first, start, start],
     };
     // Coordinates far from zero cannot tell sizes below their rounding.
-    let floor = points.iter().map(|p| p.amax()).fold(0.0, f64::max) * f64::EPSILON * 4.0;
+    let floor = points.iter().map(Vec3::amax).fold(0.0, f64::max) * f64::EPSILON * 4.0;
     if reach0 <= floor {
         return found;
     }

@@ -29,15 +29,21 @@ const REFINED: usize = 3;
 /// A turn counts when it makes the box smaller by more than this share; less is rounding.
 const SMALLER: f64 = 1e-10;
 
-/// Directions whose extreme points make the coarse polyhedron, which bounds volumes to a few per cent from below.
-const COARSE_DIRECTIONS: usize = 32;
+/// Directions whose extreme points make the coarse polyhedron, which bounds volumes to a few per cent from below; more of
+/// them for hulls whose boxes take longer.
+const COARSE_DIRECTIONS: [usize; 2] = [32, 128];
+
+/// Corners of a large hull.
+const LARGE: usize = 400;
 
 /// Up to this many candidates are all tried; of more, one in every cell first.
 const ALL_CANDIDATES: usize = 400;
 
-/// Size of a cell of directions, and radius of the neighbourhood in which all candidates are tried, radians. The free
-/// turning reaches twice as far.
+/// Size of a cell of directions, radians. The free turning reaches farther.
 const CELL: f64 = 0.1;
+
+/// Around the axes of the best box that the cells gave, all candidates of a large hull within this many radians are tried.
+const NEAR: f64 = 0.03;
 
 /// First and last step of the free turning, radians.
 const STEPS: (f64, f64) = (0.2, 1e-6);
@@ -69,7 +75,7 @@ impl OrientedBox {
                 low = low.min(s);
                 high = high.max(s);
             }
-            center += axes[k] * ((low + high) / 2.0);
+            center += axes[k] * f64::midpoint(low, high);
             half_extents[k] = (high - low) / 2.0;
         }
         Self { center, axes, half_extents }
@@ -179,36 +185,42 @@ impl Best {
 fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
     let mut work = Workspace::default();
     let mut rough_work = Workspace::default();
-    let rough = Coarse::new(hull, COARSE_DIRECTIONS);
-    let quick = |n: &Vec3| rough.as_ref().map_or(0.0, |c| c.quick_bound(n));
-    let mut queue: Vec<(f64, Vec3)> = candidate_normals(hull).into_iter().map(|n| (quick(&n), n)).collect();
-    queue.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let large = hull.vertices.len() > LARGE;
+    let rough = Coarse::new(hull, COARSE_DIRECTIONS[usize::from(large)]);
     let mut best = Best(Vec::with_capacity(REFINED + 1));
-    let mut evaluate = |(bound, normal): &(f64, Vec3), best: &mut Best| {
-        let smallest = best.smallest();
-        if *bound >= smallest || rough.as_ref().is_some_and(|c| c.bound(normal, &mut rough_work) >= smallest) {
-            return;
-        }
-        if let Some(candidate) = hull.best_about(normal, &mut work) {
-            best.insert(candidate);
+    let mut evaluate = |normals: Vec<Vec3>, best: &mut Best| {
+        let bound = |n: &Vec3| rough.as_ref().map_or(0.0, |c| c.quick_bound(n));
+        let mut queue: Vec<(f64, Vec3)> = normals.iter().map(|n| (bound(n), *n)).collect();
+        queue.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (bound, normal) in queue {
+            if bound >= best.smallest() {
+                break;
+            }
+            if rough.as_ref().is_some_and(|c| c.bound(&normal, &mut rough_work) >= best.smallest()) {
+                continue;
+            }
+            if let Some(candidate) = hull.best_about(&normal, &mut work) {
+                best.insert(candidate);
+            }
         }
     };
-    // First one normal of every cell, then all those in the neighbourhood of the best boxes' axes.
-    let thin = queue.len() > ALL_CANDIDATES;
+    // First one normal of every cell, then the others: of a large hull those in the neighbourhood of the best box's
+    // axes, of any other hull all that the bounds leave.
+    let normals = candidate_normals(hull);
+    let thin = normals.len() > ALL_CANDIDATES;
     let mut taken = HashSet::new();
-    let mut rest = Vec::new();
-    for entry in queue {
-        if !thin || taken.insert(entry.1.map(|c| (c / CELL).round() as i32)) {
-            evaluate(&entry, &mut best);
+    let (first, mut rest): (Vec<Vec3>, Vec<Vec3>) =
+        normals.into_iter().partition(|n| !thin || taken.insert(n.map(|c| (c / CELL).round() as i32)));
+    evaluate(first, &mut best);
+    if let Some(found) = best.0.first().copied() {
+        if large {
+            rest.retain(|n| found.axes.iter().any(|a| a.dot(n).abs() > 1.0 - NEAR * NEAR / 2.0));
         } else {
-            rest.push(entry);
+            // Turned as far as it goes, the best box rules out most of the rest.
+            let mut turning = Workspace::default();
+            best.insert(turn_freely(hull, turn_about_axes(hull, found, &mut turning), &mut turning));
         }
-    }
-    let axes: Vec<Vec3> = best.0.iter().flat_map(|c| c.axes).collect();
-    for entry in rest {
-        if axes.iter().any(|a| a.dot(&entry.1).abs() > 1.0 - CELL * CELL / 2.0) {
-            evaluate(&entry, &mut best);
-        }
+        evaluate(rest, &mut best);
     }
     let mut winner: Option<Candidate> = None;
     for candidate in best.0 {
@@ -242,6 +254,7 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
 /// is taken, the step is shortened when none is better. The set is the same for every choice of the axes' signs and order.
 fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) -> Candidate {
     let mut step = STEPS.0;
+    let mut moved = false;
     while step > STEPS.1 {
         let mut improved = current;
         for code in 0..27 {
@@ -259,7 +272,10 @@ fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) 
             }
         }
         if improved.volume < current.volume {
-            current = turn_about_axes(hull, improved, work);
+            current = improved;
+            moved = true;
+        } else if std::mem::take(&mut moved) {
+            current = turn_about_axes(hull, current, work);
         } else {
             step *= SHRINK;
         }

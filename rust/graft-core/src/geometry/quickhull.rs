@@ -8,9 +8,9 @@ use robust::{Coord3D, orient3d};
 
 use super::Vec3;
 
-/// Rounding of a height above a face, times twice the face's area; points fill about the unit cube. Twenty roundings
-/// of numbers up to 2, doubled.
-const HEIGHT_ERROR: f64 = 2e-14;
+/// Rounding of a height above a well-shaped face, points filling about the unit cube: 72 roundings, some twenty of which
+/// can happen. It grows with the product of two sides over the face's doubled area.
+const HEIGHT_ERROR: f64 = 8e-15;
 
 /// Volume below which the first tetrahedron is flat.
 const FLAT: f64 = 1e-13;
@@ -62,11 +62,12 @@ impl Face {
 
 fn face(points: &[Vec3], corners: [u32; 3]) -> Face {
     let [a, b, c] = corners.map(|i| points[i as usize]);
-    let cross = (b - a).cross(&(c - a));
+    let (ab, ac) = (b - a, c - a);
+    let cross = ab.cross(&ac);
     let size = cross.norm();
     let normal = if size > 0.0 { cross / size } else { Vec3::zeros() };
     let offset = normal.dot(&(a + b + c)) / 3.0;
-    let doubt = if size > 0.0 { HEIGHT_ERROR / size } else { f64::INFINITY };
+    let doubt = if size > 0.0 { HEIGHT_ERROR * (1.0 + ab.norm() * ac.norm() / size) } else { f64::INFINITY };
     Face {
         corners,
         across: [NONE; 3],
@@ -199,7 +200,7 @@ fn convex_faces(points: &[Vec3], faces: &[Face]) -> Option<Vec<[u32; 3]>> {
     for f in faces.iter().filter(|f| f.alive) {
         for other in f.across {
             let beyond = faces.get(other as usize).filter(|o| o.alive)?;
-            let rises = |&c: &u32| f.above(points, &points[c as usize]).is_some();
+            let rises = |c: &u32| !f.corners.contains(c) && f.above(points, &points[*c as usize]).is_some();
             if beyond.corners.iter().any(rises) {
                 return None;
             }

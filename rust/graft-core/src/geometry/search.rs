@@ -244,7 +244,7 @@ fn neighbours(faces: &[[u32; 3]]) -> (Vec<u32>, bool) {
         .collect();
     keyed.sort_unstable();
     let mut across = vec![0; keyed.len()];
-    let mut closed = !faces.is_empty() && keyed.len() % 2 == 0;
+    let mut closed = !faces.is_empty() && keyed.len().is_multiple_of(2);
     for pair in keyed.chunks_exact(2) {
         closed &= pair[0].0 == pair[1].0;
         across[pair[0].1 as usize] = pair[1].1;

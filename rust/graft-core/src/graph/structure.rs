@@ -46,7 +46,7 @@ fn long_axis_angle(a: &OrientedBox, b: &OrientedBox) -> f64 {
     }
 }
 
-/// |c_i - c_j| / unit + angle(a_i, a_j) / pi.
+/// `|c_i - c_j| / unit + angle(a_i, a_j) / pi`.
 fn separation(a: &OrientedBox, b: &OrientedBox, unit: f64) -> f64 {
     (a.center - b.center).norm() / unit + long_axis_angle(a, b) / PI
 }

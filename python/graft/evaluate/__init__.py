@@ -1,0 +1,1 @@
+"""Measure transferred contacts: metrics, protocols, baselines, ablations, diversity."""

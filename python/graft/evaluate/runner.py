@@ -1,0 +1,211 @@
+"""Ask every method every query, on several processes, and keep what was answered.
+
+Rows go to a file as they come, so that a run that was stopped goes on where it was; a file made with
+anything else, another version of the code included, is refused. The rows, and their order, are the same on
+any number of workers.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import graft
+from graft.errors import InputError
+from graft.evaluate.methods import Graphs, Method, Predictor
+from graft.evaluate.metrics import GraspableMask
+from graft.evaluate.protocols import Benchmark, stream
+from graft.evaluate.rows import ROWS, Answer, Book, Row, code_fingerprint, digest
+from graft.graph import PartGraph
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being done, how many are done, how many there are."""
+
+DIGITS = 9
+"""Significant digits of what the metrics say in a row."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Job:
+    """What a worker needs; sent to it once."""
+
+    benchmark: Benchmark
+    methods: tuple[Method, ...]
+    predictors: tuple[Predictor, ...]
+    k: int
+    masks: dict[int, GraspableMask] = field(default_factory=dict)
+
+    def _mask(self, target: int) -> GraspableMask:
+        """Return the blurred mask of a target, made once for all queries that ask about it."""
+        if target not in self.masks:
+            subject = self.benchmark.subjects[target]
+            self.masks[target] = GraspableMask.of(subject.truth, subject.diagonal)
+        return self.masks[target]
+
+    def rows(self, number: int) -> list[Row]:
+        """Answer query `number` by every method."""
+        query = self.benchmark.queries[number]
+        subject = self.benchmark.subjects[query.target]
+        mask = self._mask(query.target)
+        rows = []
+        for method, predictor in zip(self.methods, self.predictors, strict=True):
+            rng = stream(self.benchmark.posing.seed, method.name, query.key)
+            answers = predictor.predict(query, self.k, rng)
+            measures = mask.measure(np.array([answer.point for answer in answers]).reshape(-1, 3))
+            rows.append(
+                Row(
+                    method=method.name,
+                    query=query.key,
+                    target=subject.key,
+                    category=self.benchmark.category(query.target),
+                    exchangeable=method.exchangeable,
+                    answers=tuple(
+                        Answer(
+                            source=self._source(answer.source),
+                            source_category=self._source_category(answer.source),
+                            part=subject.object.parts[answer.part].name,
+                            right=answer.part in subject.object.graspable,
+                            inside=bool(measures.inside[i]),
+                            nss=_rounded(measures.nss[i]),
+                            distance=_rounded(measures.distance[i]),
+                            confidence=None if answer.confidence is None else _rounded(answer.confidence),
+                            point=(
+                                _rounded(answer.point[0]),
+                                _rounded(answer.point[1]),
+                                _rounded(answer.point[2]),
+                            ),
+                        )
+                        for i, answer in enumerate(answers)
+                    ),
+                )
+            )
+        return rows
+
+    def _source(self, source: int | None) -> str | None:
+        return None if source is None else self.benchmark.sources[source].demonstration.name
+
+    def _source_category(self, source: int | None) -> str | None:
+        return None if source is None else self.benchmark.category(self.benchmark.sources[source].subject)
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
+
+
+_sent: list[_Job] = []
+"""The job of this worker process; empty in the parent."""
+
+
+def _receive(job: _Job) -> None:
+    _sent[:] = [job]
+
+
+def _answer(number: int) -> list[Row]:
+    return _sent[0].rows(number)
+
+
+def evaluate(
+    benchmark: Benchmark,
+    methods: Sequence[Method],
+    *,
+    k: int = 5,
+    workers: int = 1,
+    out: Path | None = None,
+    progress: Progress = lambda *_: None,
+) -> list[Row]:
+    """Ask every method every query.
+
+    Args:
+        benchmark: Objects, demonstrations, queries.
+        methods: With unique names.
+        k: How many ranked contacts each gives.
+        workers: Processes. With more than one, a script that calls this needs the usual
+            `if __name__ == "__main__":` of multiprocessing.
+        out: Folder of `rows.jsonl`; rows found there are not computed again. None keeps nothing.
+        progress: Told what is being done.
+
+    Returns:
+        Rows in the order of queries, and of methods within a query.
+
+    Raises:
+        InputError: Two methods of one name, a number that is not positive, a file of rows made with other
+            settings, or a target without a mask.
+    """
+    names = [method.name for method in methods]
+    if len(set(names)) < len(names):
+        raise InputError(f"methods: expected unique names, got {', '.join(names)}")
+    for name, value in (("k", k), ("workers", workers)):
+        if value < 1:
+            raise InputError(f"{name}: expected at least 1, got {value}")
+    keys = [query.key for query in benchmark.queries]
+    book = None if out is None else Book.open(out / ROWS, _header(benchmark, methods, k))
+    done = {} if book is None else book.done
+    missing = [i for i, key in enumerate(keys) if key not in done]
+    if missing:
+        job = _fitted(benchmark, methods, k, workers, progress)
+        for count, (number, rows) in enumerate(zip(missing, _stream(job, missing, workers), strict=True)):
+            done[keys[number]] = rows
+            if book is not None:
+                book.write(rows)
+            progress("transferring", len(keys) - len(missing) + count + 1, len(keys))
+    return [row for key in keys for row in done[key]]
+
+
+def build_graphs(
+    benchmark: Benchmark,
+    settings: Sequence[Graphs],
+    *,
+    workers: int = 1,
+    progress: Progress = lambda *_: None,
+) -> list[tuple[PartGraph, ...]]:
+    """Build the part graphs of all objects of a benchmark, for each of some settings."""
+    everything = [(setting, subject.object) for setting in settings for subject in benchmark.subjects]
+    built = []
+    # Threads suffice: building a graph is the core's work, done without the interpreter's lock.
+    with ThreadPoolExecutor(workers) as pool:
+        for graph in pool.map(lambda pair: pair[0].build(pair[1]), everything):
+            built.append(graph)
+            progress("part graphs", len(built), len(everything))
+    size = len(benchmark.subjects)
+    return [tuple(built[i * size : (i + 1) * size]) for i in range(len(settings))]
+
+
+def _fitted(benchmark: Benchmark, methods: Sequence[Method], k: int, workers: int, progress: Progress) -> _Job:
+    """Build the part graphs that the methods read, each once, and fit the methods."""
+    settings = list(dict.fromkeys(method.graphs for method in methods))
+    graphs = dict(zip(settings, build_graphs(benchmark, settings, workers=workers, progress=progress), strict=True))
+    predictors = tuple(method.fit(benchmark, graphs[method.graphs]) for method in methods)
+    return _Job(benchmark, tuple(methods), predictors, k)
+
+
+def _stream(job: _Job, numbers: Sequence[int], workers: int) -> Iterator[list[Row]]:
+    """Yield the rows of every query, in order."""
+    if workers == 1 or len(numbers) == 1:
+        yield from map(job.rows, numbers)
+        return
+    # Spawned, not forked: the core's threads would not survive a fork.
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(min(workers, len(numbers)), _receive, (job,)) as pool:
+        yield from pool.imap(_answer, numbers)
+
+
+def _header(benchmark: Benchmark, methods: Sequence[Method], k: int) -> dict[str, Any]:
+    """Return what rows depend on."""
+    return {
+        "graft": graft.__version__,
+        "code": code_fingerprint(),
+        "protocol": benchmark.protocol,
+        "posing": asdict(benchmark.posing),
+        "methods": [method.name for method in methods],
+        "parameters": digest(repr(list(methods)).encode()),
+        "k": k,
+        "queries": digest(json.dumps([[q.key, q.target, q.sources] for q in benchmark.queries]).encode()),
+        "objects": digest(*(b"%s%s" % (s.key.encode(), s.truth.bounds.tobytes()) for s in benchmark.subjects)),
+    }
