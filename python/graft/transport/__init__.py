@@ -5,6 +5,7 @@
 
 from graft.transport.gradients import Gradients, ufgw_gradients
 from graft.transport.graphs import UFGW, matched_part, part_shares
+from graft.transport.packed import PackedGraphs, Ranked
 from graft.transport.pairs import Pairs
 from graft.transport.result import TERMS, Transport, Transports
 from graft.transport.solver import ufgw, ufgw_batch, ufgw_packed
@@ -13,7 +14,9 @@ __all__ = [
     "TERMS",
     "UFGW",
     "Gradients",
+    "PackedGraphs",
     "Pairs",
+    "Ranked",
     "Transport",
     "Transports",
     "matched_part",

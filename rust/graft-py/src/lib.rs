@@ -5,6 +5,7 @@ mod descriptor;
 mod geometry;
 mod graph;
 mod render;
+mod retrieve;
 mod transport;
 
 /// The compiled core of graft.
@@ -19,6 +20,8 @@ mod _core {
     use super::descriptor::{describe_parts, descriptor_dim};
     #[pymodule_export]
     use super::render::{cast_rays, render_scene};
+    #[pymodule_export]
+    use super::retrieve::rank_graphs;
     #[pymodule_export]
     use super::transport::{feature_costs, ufgw_batch, ufgw_pair};
     #[pymodule_export]

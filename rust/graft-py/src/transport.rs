@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use crate::convert::{finite, slice, to_py};
 
-fn choice<T: Copy>(name: &str, got: &str, choices: &[(&str, T)]) -> PyResult<T> {
+pub fn choice<T: Copy>(name: &str, got: &str, choices: &[(&str, T)]) -> PyResult<T> {
     choices.iter().find(|(word, _)| *word == got).map(|(_, value)| *value).ok_or_else(|| {
         let words: Vec<_> = choices.iter().map(|(word, _)| *word).collect();
         PyValueError::new_err(format!("{name}: expected one of {}, got {got}", words.join(", ")))
@@ -21,7 +21,7 @@ fn choice<T: Copy>(name: &str, got: &str, choices: &[(&str, T)]) -> PyResult<T> 
 
 type Flat<'py> = Bound<'py, PyArray1<f64>>;
 
-fn options_of(
+pub fn options_of(
     (alpha, tau_s, tau_t, eps): (f64, f64, f64, f64),
     loss: &str,
     entropy: &str,

@@ -1,13 +1,9 @@
-//! The kernel compiled for several instruction sets, and the choice among them at run time.
+//! Kernels compiled for several instruction sets, and the choice among them at run time.
 //!
 //! The one place of the crate with `unsafe`: a function compiled for instructions that the build does not assume may
 //! be called only where the processor has them.
 
 use std::sync::OnceLock;
-
-use super::block::{Block, Rates};
-use super::kernel;
-use super::vector::Vector;
 
 /// Instruction sets the kernel is compiled for. On aarch64 the baseline has NEON.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,32 +42,35 @@ fn detect() -> Instructions {
     Instructions::Baseline
 }
 
+/// Work that is worth compiling for several instruction sets; its `run` and all that it calls must be
+/// `#[inline(always)]`, or it is compiled for the baseline only.
+pub trait Kernel {
+    /// Do the work.
+    fn run(self);
+}
+
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl")]
-fn iterate_avx512<V: Vector>(block: &mut Block<V>, rates: &Rates) {
-    kernel::iterate(block, rates);
+fn run_avx512(kernel: impl Kernel) {
+    kernel.run();
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn iterate_avx2<V: Vector>(block: &mut Block<V>, rates: &Rates) {
-    kernel::iterate(block, rates);
+fn run_avx2(kernel: impl Kernel) {
+    kernel.run();
 }
 
-fn iterate_baseline<V: Vector>(block: &mut Block<V>, rates: &Rates) {
-    kernel::iterate(block, rates);
-}
-
-/// Run [`kernel::iterate`] with the instructions given.
+/// Run a kernel with the instructions given, or with the best that the processor has if it lacks them.
 #[allow(unsafe_code)]
-pub fn iterate<V: Vector>(block: &mut Block<V>, rates: &Rates, with: Instructions) {
+pub fn run(kernel: impl Kernel, with: Instructions) {
     match with.min(instructions()) {
         // SAFETY: the processor has these instructions, `instructions` found them.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx512 => unsafe { iterate_avx512(block, rates) },
+        Instructions::Avx512 => unsafe { run_avx512(kernel) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 => unsafe { iterate_avx2(block, rates) },
-        _ => iterate_baseline(block, rates),
+        Instructions::Avx2 => unsafe { run_avx2(kernel) },
+        _ => kernel.run(),
     }
 }

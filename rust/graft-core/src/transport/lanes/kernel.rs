@@ -9,6 +9,7 @@
 #![allow(clippy::inline_always)]
 
 use super::block::{Block, Rates, Report, State};
+use super::dispatch::{self, Instructions, Kernel};
 use super::vector::Vector;
 
 /// Sweeps an iteration: 2 leave Sinkhorn the slowest part of the iteration, 4 are no better than 3.
@@ -22,13 +23,29 @@ pub const ROWS: usize = 4;
 /// Lanes are the vectors here. Left alone LLVM sees arrays of floats in a loop, and may prefer vectors across the passes
 /// of the loop, made with gathers and shuffles: five times slower. This compiles to nothing.
 #[inline(always)]
-fn apart() {
+pub fn apart() {
     std::hint::black_box(());
 }
 
 /// One iteration from `block.at` to `block.to`; the potentials move on whether or not the step is taken.
+pub fn iterate<V: Vector>(block: &mut Block<V>, rates: &Rates, with: Instructions) {
+    dispatch::run(Iteration { block, rates }, with);
+}
+
+struct Iteration<'a, V> {
+    block: &'a mut Block<V>,
+    rates: &'a Rates,
+}
+
+impl<V: Vector> Kernel for Iteration<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        step(self.block, self.rates);
+    }
+}
+
 #[inline(always)]
-pub fn iterate<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+fn step<V: Vector>(block: &mut Block<V>, rates: &Rates) {
     absorb(block, rates);
     let shifts = sweep(block, rates);
     plan(block, rates, &shifts);

@@ -84,7 +84,7 @@ pub fn run<V: Vector>(
         .collect();
     let mut live = lanes.iter().flatten().count();
     while live > 0 {
-        dispatch::iterate(&mut block, &rates, with);
+        kernel::iterate(&mut block, &rates, with);
         let mut free = [false; 64];
         for (lane, slot) in lanes.iter_mut().enumerate() {
             let Some(pair) = slot else { continue };

@@ -28,6 +28,8 @@ pub trait Vector:
     fn set(&mut self, lane: usize, x: f64);
     /// Absolute values.
     fn abs(self) -> Self;
+    /// Square roots, correctly rounded.
+    fn sqrt(self) -> Self;
     /// Larger of two numbers.
     fn max(self, other: Self) -> Self;
     /// e^x, accurate to about one unit in the last place; clamped where it would leave the normal range.
@@ -92,6 +94,14 @@ macro_rules! vector {
             fn abs(mut self) -> Self {
                 for k in 0..$lanes {
                     self.0[k] = self.0[k].abs();
+                }
+                self
+            }
+
+            #[inline(always)]
+            fn sqrt(mut self) -> Self {
+                for k in 0..$lanes {
+                    self.0[k] = self.0[k].sqrt();
                 }
                 self
             }
