@@ -97,7 +97,7 @@ const TASK: usize = 64;
 const LARGEST_TASK: usize = 512;
 
 /// Padded sizes: a graph takes the next one up.
-const CLASSES: [usize; 14] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, 26, lanes::LARGEST];
+const CLASSES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, lanes::LARGEST];
 
 fn class(n: usize) -> usize {
     CLASSES.partition_point(|&size| size < n)

@@ -11,7 +11,8 @@
 //!
 //! [`problem`] checks the data, [`cost`] linearises the structure term, [`sinkhorn`] solves the linear problem,
 //! [`objective`] evaluates F, [`ufgw`] loops. [`lanes`] does the same for many small pairs at once, [`batch`] sends every
-//! pair where it belongs, [`starts`] tries several starts, [`feature`] makes M from part graphs.
+//! pair where it belongs, [`starts`] tries several starts, [`wide`] has the inner loops, [`feature`] makes M from
+//! part graphs.
 
 // C_GW, T_ij and A_ii' are mathematics, not code.
 #![allow(clippy::doc_markdown)]
@@ -25,6 +26,7 @@ pub mod problem;
 pub mod sinkhorn;
 pub mod starts;
 pub mod ufgw;
+pub mod wide;
 
 pub use problem::{Entropy, Input, Loss, Options, Problem};
 pub use ufgw::{Solution, solve};

@@ -8,6 +8,7 @@ use super::cost::Structure;
 use super::objective::{Objective, Point, Terms};
 use super::problem::{Input, Options, Problem};
 use super::sinkhorn::Sinkhorn;
+use super::wide;
 use crate::Error;
 
 /// Sweeps after each linearisation: two are enough while the plan still moves (more would solve the wrong problem).
@@ -130,7 +131,7 @@ pub fn solve_checked(problem: &Problem, options: &Options) -> Solution {
 
 /// Relative L1 distance of two plans.
 fn difference(a: &Point, b: &Point) -> f64 {
-    let apart: f64 = a.plan.iter().zip(&b.plan).map(|(x, y)| (x - y).abs()).sum();
+    let apart = wide::distance(&a.plan, &b.plan);
     if apart == 0.0 { 0.0 } else { apart / a.mass().max(b.mass()) }
 }
 
@@ -138,7 +139,8 @@ fn difference(a: &Point, b: &Point) -> f64 {
 ///
 /// Rounding is forgiven: a gain that is negative by no more than that is zero.
 pub(super) fn gain(cost: &[f64], objective: &Objective, at: &Point, to: &Point) -> f64 {
-    let linear: f64 = cost.iter().zip(at.plan.iter().zip(&to.plan)).map(|(c, (a, t))| c * (a - t)).sum();
+    let step: Vec<f64> = at.plan.iter().zip(&to.plan).map(|(a, t)| a - t).collect();
+    let linear = wide::dot(cost, &step);
     let (before, after) = (objective.terms(at), objective.terms(to));
     let gain = linear
         + (before.marginal_source - after.marginal_source)

@@ -24,7 +24,7 @@ use super::problem::{Entropy, Input, Loss, Options};
 use super::ufgw::Solution;
 
 /// Largest graph solved here: beyond it the arrays of a block leave the processor's caches.
-pub const LARGEST: usize = 32;
+pub const LARGEST: usize = 24;
 
 /// Smallest tolerance: below it the rounding of C / eps may keep a plan moving.
 const FINEST: f64 = 1e-12;
