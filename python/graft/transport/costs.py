@@ -45,9 +45,7 @@ def negative_entropy(plan: Floats) -> float:
     return float(positive @ np.log(positive))
 
 
-def self_sides(
-    self_features: SelfFeatures | None, count: int, entropy: str
-) -> tuple[list[ArrayLike], list[ArrayLike]]:
+def self_sides(self_features: SelfFeatures | None, count: int, entropy: str) -> tuple[list[ArrayLike], list[ArrayLike]]:
     """Return the self costs of sources and targets.
 
     Raises:

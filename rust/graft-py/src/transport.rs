@@ -167,8 +167,7 @@ pub fn ufgw_batch<'py>(
 }
 
 /// Plan (n, m), target masses, f, g, terms, history, iterations, sweeps, converged.
-type One<'py> =
-    (Bound<'py, PyArray2<f64>>, Flat<'py>, Flat<'py>, Flat<'py>, [f64; 6], Flat<'py>, usize, usize, bool);
+type One<'py> = (Bound<'py, PyArray2<f64>>, Flat<'py>, Flat<'py>, Flat<'py>, [f64; 6], Flat<'py>, usize, usize, bool);
 
 /// Solve one pair of matrices.
 #[pyfunction]

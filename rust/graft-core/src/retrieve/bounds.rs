@@ -7,6 +7,9 @@
 //!
 //! tanh(d / 2) is bounded below by d / sqrt(4 + d^2); rounding is paid for by [`Query::rounding`].
 
+// As in the lanes' kernel.
+#![allow(clippy::inline_always)]
+
 use rayon::prelude::*;
 
 use crate::transport::lanes::dispatch::{self, Instructions, Kernel};

@@ -8,15 +8,17 @@
 #![allow(clippy::doc_markdown)]
 
 pub mod bounds;
+pub mod ranking;
 
 use rayon::prelude::*;
 
 use self::bounds::{LANES, Query, bound_parts};
+pub use self::ranking::Ranking;
 use crate::Error;
 use crate::transport::batch::{Precision, Run, solve_batch};
-use crate::transport::feature::{FeatureCost, Features, Variant};
+use crate::transport::feature::{Features, Variant};
 use crate::transport::lanes::dispatch::instructions;
-use crate::transport::{Input, Options, Solution};
+use crate::transport::{Input, Solution};
 
 /// Graphs solved first, beyond k: their costs set the bar for all others.
 const FIRST: usize = 64;
@@ -26,9 +28,6 @@ const ROUND: usize = 512;
 
 /// Relative and absolute rounding of a sum of bounds in single precision (masses, exp and sums, a few ulp each).
 const ROUNDING: f64 = 2e-6;
-
-/// Shares below this count as this in the doubt about the demonstrated part.
-const SMALLEST_SHARE: f64 = 1e-9;
 
 /// Graphs end to end. `hot` data is what bounds read: blocks of [`LANES`] parts side by side, padded with zeros.
 #[derive(Debug, Clone, Copy)]
@@ -66,19 +65,6 @@ pub struct Target<'a> {
     pub prior: &'a [f64],
 }
 
-/// What a match costs.
-#[derive(Debug, Clone, Copy)]
-pub struct Ranking {
-    /// Of the transport.
-    pub options: Options,
-    /// Of the features.
-    pub feature: FeatureCost,
-    /// Weight of the demonstrated part's own feature cost.
-    pub part_weight: f64,
-    /// Weight of -log of its share.
-    pub doubt_weight: f64,
-}
-
 /// The best graphs, best first, and how much work it was.
 #[derive(Debug, Clone)]
 pub struct Ranked {
@@ -88,7 +74,7 @@ pub struct Ranked {
     pub solved: usize,
 }
 
-impl<'a> Library<'a> {
+impl Library<'_> {
     /// Number of graphs.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -283,26 +269,4 @@ fn costs(
         (k, ranking.cost(solution, features, library.parts[k] as usize))
     };
     Ok(chosen.iter().zip(&matrices).zip(&solutions).map(cost).collect())
-}
-
-impl Ranking {
-    /// The sharp transport cost plus the terms of the demonstrated part.
-    fn cost(&self, solution: &Solution, features: &[f64], part: usize) -> f64 {
-        let m = solution.target_mass.len();
-        let terms = &solution.terms;
-        let sharp = terms.structure + terms.feature + terms.marginal_source + terms.marginal_target;
-        let row = &solution.plan[part * m..(part + 1) * m];
-        let weigh = |(t, nu): (&f64, &f64)| if *nu > 0.0 { t / nu.sqrt() } else { 0.0 };
-        let mut shares: Vec<f64> = row.iter().zip(&solution.target_mass).map(weigh).collect();
-        let total: f64 = shares.iter().sum();
-        if total > 0.0 {
-            shares.iter_mut().for_each(|s| *s /= total);
-        }
-        // Where the part sends nothing: the part that receives most, with no share.
-        let received = |j: usize| solution.plan.iter().skip(j).step_by(m).sum::<f64>();
-        let value = |j: usize| if total > 0.0 { shares[j] } else { received(j) };
-        let goal = (1..m).fold(0, |goal, j| if value(j) > value(goal) { j } else { goal });
-        let own = self.part_weight * features[part * m + goal];
-        sharp + own - self.doubt_weight * shares[goal].max(SMALLEST_SHARE).ln()
-    }
 }

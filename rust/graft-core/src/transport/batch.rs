@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::lanes::dispatch::Instructions;
-use super::lanes::vector::{F32x32, F64x16};
 use super::lanes;
+use super::lanes::dispatch::Instructions;
+use super::lanes::vector::{F32x16, F32x32, F64x8, F64x16, Vector};
 use super::problem::{Input, Options, Problem};
 use super::ufgw::{Solution, solve_checked};
 use crate::Error;
@@ -164,9 +164,7 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
         order.chunk_by(same).flat_map(|group| group.chunks(length)).map(pairs).collect()
     };
     if run.precision == Precision::F32 && !waiting.is_empty() {
-        let task = |group: &Vec<(usize, &Input)>| {
-            lanes::run::<F32x32>(group, options, run.history, run.instructions)
-        };
+        let task = |group: &Vec<(usize, &Input)>| in_lanes::<F32x16, F32x32>(group, options, run);
         let again = collect(spread(&groups(&waiting), task, serial), &mut solutions);
         // Out of range, or not settled: noise of single precision may keep a plan moving.
         let unsettled = |k: &usize| solutions[*k].as_ref().is_none_or(|s| !s.converged);
@@ -176,15 +174,22 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
         waiting.retain(|k| again.binary_search(k).is_ok());
     }
     if !waiting.is_empty() {
-        let task = |group: &Vec<(usize, &Input)>| {
-            lanes::run::<F64x16>(group, options, run.history, run.instructions)
-        };
+        let task = |group: &Vec<(usize, &Input)>| in_lanes::<F64x8, F64x16>(group, options, run);
         scalar.extend(collect(spread(&groups(&waiting), task, serial), &mut solutions));
         scalar.sort_unstable();
     }
     let one = |&k: &usize| (vec![(k, solve_checked(&Problem::of_checked(&inputs[k], options), options))], Vec::new());
     collect(spread(&scalar, one, serial), &mut solutions);
     Ok(solutions.into_iter().flatten().collect())
+}
+
+/// Solve a group in as few lanes as hold it: the width changes no bit.
+fn in_lanes<Few: Vector, Many: Vector>(group: &[(usize, &Input)], options: &Options, run: &Run) -> Outcome {
+    if group.len() <= Few::LANES {
+        lanes::run::<Few>(group, options, run.history, run.instructions)
+    } else {
+        lanes::run::<Many>(group, options, run.history, run.instructions)
+    }
 }
 
 type Outcome = (Vec<(usize, Solution)>, Vec<usize>);

@@ -266,7 +266,8 @@ impl Sinkhorn {
             } else {
                 let (potential, log) = (source.potential[i], source.log_reference[i]);
                 for (j, t) in row.iter_mut().enumerate() {
-                    *t = (log + target.log_reference[j] + (potential + target.potential[j] - cost[i * m + j]) / eps).exp();
+                    *t = (log + target.log_reference[j] + (potential + target.potential[j] - cost[i * m + j]) / eps)
+                        .exp();
                 }
             }
         }

@@ -46,12 +46,13 @@ pub fn solve_from_starts(
         .collect();
     let solutions = solve_batch(&all, options, run).map_err(|(k, error)| (k / starts, error))?;
     let mut solutions = solutions.into_iter();
-    let best = |_| {
-        let first = solutions.next()?;
-        Some(solutions.by_ref().take(starts - 1).fold(first, |best, next| {
-            if next.terms.em_objective() < best.terms.em_objective() { next } else { best }
-        }))
-    };
+    let best =
+        |_| {
+            let first = solutions.next()?;
+            Some(solutions.by_ref().take(starts - 1).fold(first, |best, next| {
+                if next.terms.em_objective() < best.terms.em_objective() { next } else { best }
+            }))
+        };
     Ok((0..inputs.len()).filter_map(best).collect())
 }
 
@@ -65,7 +66,9 @@ fn random_plan(input: &Input, random: &mut Pcg64) -> Vec<f64> {
     let total = (mu.iter().sum::<f64>() * nu.iter().sum::<f64>()).sqrt();
     let sum: f64 = plan.iter().sum();
     if sum > 0.0 {
-        plan.iter_mut().for_each(|t| *t *= total / sum);
+        for t in &mut plan {
+            *t *= total / sum;
+        }
     }
     plan
 }

@@ -2,6 +2,9 @@
 //!
 //! Sums over columns run in [`WIDTH`] lanes that are added up in order at the end: one order whatever the instruction set.
 
+// As in the lanes' kernel.
+#![allow(clippy::inline_always)]
+
 use super::lanes::dispatch::{self, Kernel, instructions};
 use super::lanes::kernel::apart;
 use super::lanes::vector::{F64x16, Vector};
@@ -153,6 +156,7 @@ fn tile<const R: usize>(
 }
 
 /// sum a b.
+#[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut out = 0.0;
     dispatch::run(Dot { a, b, out: &mut out }, instructions());
@@ -160,6 +164,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// sum |a - b|.
+#[must_use]
 pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     let mut out = 0.0;
     dispatch::run(Distance { a, b, out: &mut out }, instructions());

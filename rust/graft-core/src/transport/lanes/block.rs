@@ -1,6 +1,6 @@
 //! The arrays of one block: pairs of one padded size side by side, one in each lane.
 
-use super::kernel;
+use super::product;
 use super::vector::Vector;
 use crate::transport::problem::Options;
 
@@ -143,7 +143,7 @@ impl<V: Vector> Block<V> {
                 nu_mass: zero,
             },
             kernel: zeros(n * m),
-            half: zeros((kernel::ROWS + 1) * m),
+            half: zeros((product::ROWS + 1) * m),
             rows: zeros(n),
             cols: zeros(m),
             log_rows: zeros(n),
@@ -198,7 +198,6 @@ pub struct Rates {
     /// How far beyond its minimiser nu goes, as a share of its way there.
     pub em_beyond: f64,
 }
-
 
 impl Rates {
     /// Derive from checked options with finite positive prices.

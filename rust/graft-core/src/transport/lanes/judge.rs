@@ -42,7 +42,13 @@ enum Searched {
 }
 
 /// Judge the step from `block.at` to `block.to`, which is changed to what is accepted.
-pub fn judge<V: Vector>(block: &mut Block<V>, lane: usize, pair: &mut Lane, options: &Options, history: bool) -> Verdict {
+pub fn judge<V: Vector>(
+    block: &mut Block<V>,
+    lane: usize,
+    pair: &mut Lane,
+    options: &Options,
+    history: bool,
+) -> Verdict {
     let report = &block.report;
     let (moved, mass) = (report.moved.get(lane), report.mass.get(lane));
     let curvature = report.curvature.get(lane);
@@ -54,7 +60,9 @@ pub fn judge<V: Vector>(block: &mut Block<V>, lane: usize, pair: &mut Lane, opti
     pair.rounds += 1;
     let (rows, cols) = (report.rows_moved.get(lane), report.cols_moved.get(lane));
     let convex = options.eps * moved * moved + options.tau_s * rows * rows + options.tau_t * cols * cols;
-    let gained = 1.5 / (pair.mass + 2.0 * mass) * convex + report.residual_gain.get(lane) + options.eps * report.momentum_gain.get(lane);
+    let gained = 1.5 / (pair.mass + 2.0 * mass) * convex
+        + report.residual_gain.get(lane)
+        + options.eps * report.momentum_gain.get(lane);
     let slack = ROUNDING * V::EPSILON * pair.largest_loss * mass * moved;
     let settled = moved <= options.tol * mass.max(pair.mass) && report.residual.get(lane) <= options.tol * mass;
     let searched = if 0.5 * (1.0 - options.alpha) * (curvature - slack) <= gained {

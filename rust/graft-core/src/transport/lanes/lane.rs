@@ -89,7 +89,8 @@ impl<'a> Lane<'a> {
             for j in 0..wide {
                 let at = i * wide + j;
                 let inside = i < n && j < m;
-                let feature = if inside { input.features[i * m + j].max(0.0) * options.alpha / options.eps } else { 0.0 };
+                let feature =
+                    if inside { input.features[i * m + j].max(0.0) * options.alpha / options.eps } else { 0.0 };
                 block.features[at].set(lane, feature);
                 let nu = block.at.nu[j].get(lane);
                 let plan = match input.start {
@@ -181,7 +182,14 @@ impl<'a> Lane<'a> {
     }
 
     /// The solution at `block.to`.
-    pub fn solution<V: Vector>(&self, block: &Block<V>, lane: usize, eps: f64, terms: Terms, converged: bool) -> Solution {
+    pub fn solution<V: Vector>(
+        &self,
+        block: &Block<V>,
+        lane: usize,
+        eps: f64,
+        terms: Terms,
+        converged: bool,
+    ) -> Solution {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let mut plan = Vec::with_capacity(n * m);
         for i in 0..n {

@@ -4,7 +4,7 @@
 //! EM: J) rise, the M-step. Lanes never exchange numbers, so a pair's solution does not depend on its neighbours, on
 //! the padding, on the number of threads or on the instruction set. A lane that is done takes the next pair waiting.
 //!
-//! [`vector`] has the arithmetic, [`block`] the arrays, [`kernel`] one iteration, [`dispatch`] compiles it for
+//! [`vector`] has the arithmetic, [`block`] the arrays, [`kernel`] one iteration and [`product`] its matrix products, [`dispatch`] compiles it for
 //! several instruction sets, [`lane`] puts pairs in and takes solutions out, [`judge`] decides about steps.
 
 pub mod block;
@@ -12,6 +12,7 @@ pub mod dispatch;
 pub mod judge;
 pub mod kernel;
 pub mod lane;
+pub mod product;
 pub mod vector;
 
 use block::{Block, Rates};

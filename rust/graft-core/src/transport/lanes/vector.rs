@@ -5,6 +5,9 @@
 //! result do not depend on the instruction set. (On the processors measured a fused multiply-add saves nothing that
 //! matters: additions and multiplications issue side by side.)
 
+// Inlined into callers so that it takes over their instruction set.
+#![allow(clippy::inline_always)]
+
 use std::ops::{Add, Div, Mul, Sub};
 
 /// A vector of `LANES` floats; operations act on each lane alone.
@@ -27,16 +30,22 @@ pub trait Vector:
     /// Set one lane's number, rounded.
     fn set(&mut self, lane: usize, x: f64);
     /// Absolute values.
+    #[must_use]
     fn abs(self) -> Self;
     /// Square roots, correctly rounded.
+    #[must_use]
     fn sqrt(self) -> Self;
     /// Larger of two numbers.
+    #[must_use]
     fn max(self, other: Self) -> Self;
     /// e^x, accurate to about one unit in the last place; clamped where it would leave the normal range.
+    #[must_use]
     fn exp(self) -> Self;
     /// Natural logarithm, accurate to about one unit in the last place; clamped below the normal range.
+    #[must_use]
     fn ln(self) -> Self;
     /// `a` where `self` > 0, else `b`.
+    #[must_use]
     fn positive(self, a: Self, b: Self) -> Self;
 }
 
@@ -47,7 +56,7 @@ macro_rules! operator {
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
                 for k in 0..Self::LANES {
-                    self.0[k] = self.0[k] $op other.0[k];
+                    self.0[k] $op other.0[k];
                 }
                 self
             }
@@ -62,10 +71,10 @@ macro_rules! vector {
         #[repr(C, align(64))]
         pub struct $vector(pub [$float; $lanes]);
 
-        operator!($vector, Add, add, +);
-        operator!($vector, Sub, sub, -);
-        operator!($vector, Mul, mul, *);
-        operator!($vector, Div, div, /);
+        operator!($vector, Add, add, +=);
+        operator!($vector, Sub, sub, -=);
+        operator!($vector, Mul, mul, *=);
+        operator!($vector, Div, div, /=);
 
         // Lossless where the caller's number is of this type already, rounding where it is not.
         #[allow(clippy::cast_lossless, clippy::unnecessary_cast)]
@@ -211,7 +220,7 @@ mod f64_constants {
         1.531_383_769_920_937_3e-1,
         1.818_357_216_161_805e-1,
         2.222_219_843_214_978_4e-1,
-        2.857_142_874_366_239_1e-1,
+        2.857_142_874_366_239e-1,
         3.999_999_999_940_942e-1,
         6.666_666_666_666_735e-1,
     ];
@@ -243,6 +252,15 @@ vector!(
 vector!(
     /// Thirty-two f32.
     F32x32, f32, 32, f32_constants
+);
+
+vector!(
+    /// Eight f64, for a few pairs: the bits of a lane do not depend on how many there are.
+    F64x8, f64, 8, f64_constants
+);
+vector!(
+    /// Sixteen f32, for a few pairs.
+    F32x16, f32, 16, f32_constants
 );
 
 #[cfg(test)]
