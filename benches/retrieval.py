@@ -2,8 +2,8 @@
 
     python benches/retrieval.py [--graphs 1000000] [--dims 64 384] [--save benches/results/DATE-retrieval.txt]
 
-Synthetic graphs of 2 to 20 parts, median 4, in families: a graph's descriptors and boxes are those of one of 1000 random
-prototypes with noise, as objects of a category resemble each other. Targets are further members of the families.
+Synthetic graphs of 2 to 20 parts, median 4, in families: a graph's descriptors and boxes are those of one of 1000
+random prototypes with noise, as objects of a category resemble each other. Targets are further members.
 """
 
 from __future__ import annotations

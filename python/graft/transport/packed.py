@@ -3,8 +3,8 @@
     packed = PackedGraphs.pack(graphs, demonstrated_parts, solver)
     ranked = packed.rank(target, k=5)          # indices into `graphs`, best first
 
-A lower bound of every graph's cost comes from its features alone, in single precision; graphs are solved in the order of
-their bounds until no bound left is below the k-th best cost, so the answer is that of solving all of them.
+A lower bound of every graph's cost comes from its features alone, in single precision; graphs are solved in the order
+of their bounds until no bound left is below the k-th best cost, so the answer is that of solving all of them.
 """
 
 from __future__ import annotations
