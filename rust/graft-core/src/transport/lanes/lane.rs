@@ -1,5 +1,6 @@
 //! One lane of a block: putting a pair in, judging its step, taking its solution out.
 
+use super::LARGEST;
 use super::block::Block;
 use super::vector::Vector;
 use crate::transport::objective::{Terms, kl_scalar};
@@ -42,81 +43,73 @@ impl<'a> Lane<'a> {
         let (n, m) = (input.source_mass.len(), input.target_mass.len());
         let (wide, tall) = (block.m, block.n);
         let (nus, priors) = input.target_masses(options);
-        let masses = |j: usize| if nus[j] > 0.0 && priors[j] > 0.0 { (nus[j], priors[j]) } else { (0.0, 0.0) };
-        let (mut mu_mass, mut nu_mass) = (0.0, 0.0);
-        input.source_mass.iter().for_each(|mu| mu_mass += mu);
-        (0..m).for_each(|j| nu_mass += masses(j).0);
+        // A node of the target counts where it has mass in both.
+        let (mut nu, mut prior) = ([0.0; LARGEST], [0.0; LARGEST]);
+        for j in (0..m).filter(|&j| nus[j] > 0.0 && priors[j] > 0.0) {
+            (nu[j], prior[j]) = (nus[j], priors[j]);
+        }
+        let (mu_mass, nu_mass) = (input.source_mass.iter().sum::<f64>(), nu[..m].iter().sum::<f64>());
         let scale = 1.0 / (mu_mass * nu_mass).sqrt();
+        put(&mut block.mu, lane, input.source_mass);
+        put(&mut block.at.nu, lane, &nu[..m]);
+        put(&mut block.prior, lane, &prior[..m]);
+        let (mut by_col, mut col_squares, mut start_g) = ([0.0; LARGEST], [0.0; LARGEST], [0.0; LARGEST]);
         for j in 0..wide {
-            let (nu, prior) = if j < m { masses(j) } else { (0.0, 0.0) };
-            block.at.nu[j].set(lane, nu);
-            block.prior[j].set(lane, prior);
-            let g = input.start_potential.map_or(0.0, |g| if j < m && nu > 0.0 { g[j] } else { 0.0 });
-            block.g[j].set(lane, g / options.eps);
-            block.asked[j].set(lane, (-g / options.tau_t).exp());
-            let mut square = 0.0;
-            let mut sum = 0.0;
-            for l in 0..wide {
-                let b = if j < m && l < m { input.target[j * m + l] } else { 0.0 };
-                block.target[j * wide + l].set(lane, b);
-                if l < m {
-                    let weight = masses(l).0;
-                    square += b * b * weight;
-                    sum += b * weight;
-                }
-            }
-            // B nu and B^2 nu, for the gradient at a plan of rank one.
-            block.cols[j].set(lane, sum);
-            block.log_cols[j].set(lane, square);
+            let row = if j < m { &input.target[j * m..(j + 1) * m] } else { &[] };
+            put(&mut block.target[j * wide..(j + 1) * wide], lane, row);
+            (by_col[j], col_squares[j]) = moments(row, &nu);
+            let g = input.start_potential.filter(|_| nu[j] > 0.0).map_or(0.0, |g| g[j]);
+            start_g[j] = g / options.eps;
+            block.g[j].set(lane, start_g[j]);
+            block.asked[j].set(lane, if g == 0.0 { 1.0 } else { (-g / options.tau_t).exp() });
         }
         block.asked_log.set(lane, 0.0);
         block.relax.set(lane, 0.0);
+        let (feature_rate, structure_rate) = (options.alpha / options.eps, (1.0 - options.alpha) / options.eps);
         for i in 0..tall {
-            let mu = if i < n { input.source_mass[i] } else { 0.0 };
-            block.mu[i].set(lane, mu);
-            let mut square = 0.0;
-            let mut sum = 0.0;
-            for k in 0..tall {
-                let a = if i < n && k < n { input.source[i * n + k] } else { 0.0 };
-                block.source[i * tall + k].set(lane, a);
-                if k < n {
-                    square += a * a * input.source_mass[k];
-                    sum += a * input.source_mass[k];
-                }
-            }
-            let mut lowest = f64::INFINITY;
-            let mut row_sum = 0.0;
+            let inside = i < n;
+            let row = if inside { &input.source[i * n..(i + 1) * n] } else { &[] };
+            put(&mut block.source[i * tall..(i + 1) * tall], lane, row);
+            let (by_row, row_square) = moments(row, input.source_mass);
+            let mu = if inside { input.source_mass[i] } else { 0.0 };
+            let costs = if inside { &input.features[i * m..(i + 1) * m] } else { &[] };
+            let starts = input.start.filter(|_| mu > 0.0).map(|start| &start[i * m..(i + 1) * m]);
+            let features = &mut block.features[i * wide..(i + 1) * wide];
+            let plan = &mut block.at.plan[i * wide..(i + 1) * wide];
+            let gradient = &mut block.at.gradient[i * wide..(i + 1) * wide];
+            let before = &mut block.to.gradient[i * wide..(i + 1) * wide];
+            let (mut lowest, mut row_sum) = (f64::INFINITY, 0.0);
             for j in 0..wide {
-                let at = i * wide + j;
-                let inside = i < n && j < m;
-                let feature =
-                    if inside { input.features[i * m + j].max(0.0) * options.alpha / options.eps } else { 0.0 };
-                block.features[at].set(lane, feature);
-                let nu = block.at.nu[j].get(lane);
-                let plan = match input.start {
-                    Some(start) if inside && mu * nu > 0.0 => start[i * m + j],
+                let feature = costs.get(j).map_or(0.0, |cost| cost.max(0.0) * feature_rate);
+                features[j].set(lane, feature);
+                let t = match starts {
+                    Some(start) if nu[j] > 0.0 => start[j],
                     Some(_) => 0.0,
-                    None => mu * (nu * scale),
+                    None if input.start.is_some() => 0.0,
+                    None => mu * (nu[j] * scale),
                 };
-                block.at.plan[at].set(lane, plan);
-                row_sum += plan;
-                let gradient = (square * nu_mass + block.log_cols[j].get(lane) * mu_mass
-                    - 2.0 * sum * block.cols[j].get(lane))
-                    * scale;
-                block.at.gradient[at].set(lane, gradient);
-                block.to.gradient[at].set(lane, gradient);
-                if inside && nu > 0.0 {
-                    let cost = (1.0 - options.alpha) / options.eps * gradient + feature - block.g[j].get(lane);
-                    lowest = lowest.min(cost);
+                plan[j].set(lane, t);
+                row_sum += t;
+                let slope = (row_square * nu_mass + col_squares[j] * mu_mass - 2.0 * by_row * by_col[j]) * scale;
+                gradient[j].set(lane, slope);
+                before[j].set(lane, slope);
+                if nu[j] > 0.0 {
+                    lowest = lowest.min(structure_rate * slope + feature - start_g[j]);
                 }
             }
             block.at.u[i].set(lane, row_sum);
             // The kernel's largest entry of every row is 1.
-            block.f[i].set(lane, if lowest.is_finite() { lowest } else { 0.0 });
+            block.f[i].set(lane, lowest);
         }
-        for j in 0..wide {
-            let sum: f64 = (0..tall).map(|i| block.at.plan[i * wide + j].get(lane)).sum();
-            block.at.v[j].set(lane, sum);
+        if input.start.is_some() {
+            for j in 0..wide {
+                let sum: f64 = (0..tall).map(|i| block.at.plan[i * wide + j].get(lane)).sum();
+                block.at.v[j].set(lane, sum);
+            }
+        } else {
+            for j in 0..wide {
+                block.at.v[j].set(lane, nu[j] * scale * mu_mass);
+            }
         }
         let top = |x: &[f64]| x.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
         let apart = top(input.source) + top(input.target);
@@ -209,6 +202,22 @@ impl<'a> Lane<'a> {
             converged,
         }
     }
+}
+
+/// Set one lane of a row, zeros beyond the numbers.
+fn put<V: Vector>(out: &mut [V], lane: usize, numbers: &[f64]) {
+    let (inside, padding) = out.split_at_mut(numbers.len());
+    for (o, x) in inside.iter_mut().zip(numbers) {
+        o.set(lane, *x);
+    }
+    for o in padding {
+        o.set(lane, 0.0);
+    }
+}
+
+/// Sums of a structure's row and of its squares over the nodes' masses.
+fn moments(row: &[f64], masses: &[f64]) -> (f64, f64) {
+    row.iter().zip(masses).fold((0.0, 0.0), |(sum, square), (a, mass)| (sum + a * mass, square + a * a * mass))
 }
 
 /// C_GW at a start plan that need not have rank one.
