@@ -155,19 +155,8 @@ impl Sinkhorn {
         let (f, g) = (&self.source.potential, &self.target.potential);
         self.source.absorbed.copy_from_slice(f);
         self.target.absorbed.copy_from_slice(g);
-        let mut col_top = vec![f64::NEG_INFINITY; self.m];
-        let mut ok = true;
-        for i in 0..self.n {
-            let mut row_top = f64::NEG_INFINITY;
-            for j in 0..self.m {
-                let x = (f[i] + g[j] - cost[i * self.m + j]) / self.eps;
-                row_top = row_top.max(x);
-                col_top[j] = col_top[j].max(x);
-                self.kernel[i * self.m + j] = x;
-            }
-            ok &= row_top.abs() <= EXPONENT_RANGE;
-        }
-        self.in_range = ok && col_top.iter().all(|top| top.abs() <= EXPONENT_RANGE);
+        // A row or column far below 1 would lose its sum, one far above would overflow it.
+        self.in_range = wide::exponents(f, g, cost, 1.0 / self.eps, &mut self.kernel) <= EXPONENT_RANGE;
         if self.in_range {
             wide::exp(&mut self.kernel);
         }

@@ -127,6 +127,37 @@ kernel!(Product<'a> { scale: f64, x: &'a [f64], y: &'a [f64], out: &'a mut [f64]
     }
 });
 
+kernel!(Exponents<'a> {
+    f: &'a [f64], g: &'a [f64], cost: &'a [f64], rate: f64, out: &'a mut [f64], tops: &'a mut [f64], row_top: &'a mut f64
+}, |self| {
+    let m = self.g.len();
+    let whole = m / WIDTH * WIDTH;
+    let rate = F64x16::splat(self.rate);
+    for i in 0..self.f.len() {
+        let (cost, out) = (&self.cost[i * m..(i + 1) * m], &mut self.out[i * m..(i + 1) * m]);
+        let f = F64x16::splat(self.f[i]);
+        let mut lanes = F64x16::splat(f64::NEG_INFINITY);
+        let mut at = 0;
+        while at < whole {
+            apart();
+            let x = (f + load(self.g, at) - load(cost, at)) * rate;
+            out[at..at + WIDTH].copy_from_slice(&x.0);
+            let tops = load(self.tops, at).max(x);
+            self.tops[at..at + WIDTH].copy_from_slice(&tops.0);
+            lanes = lanes.max(x);
+            at += WIDTH;
+        }
+        let mut top = lanes.0.iter().fold(f64::NEG_INFINITY, |top, x| top.max(*x));
+        for j in whole..m {
+            let x = (self.f[i] + self.g[j] - cost[j]) * self.rate;
+            out[j] = x;
+            self.tops[j] = self.tops[j].max(x);
+            top = top.max(x);
+        }
+        *self.row_top = self.row_top.max(top.abs());
+    }
+});
+
 /// Add the product's columns `from + skip` to `from + WIDTH`.
 #[allow(clippy::too_many_arguments)]
 #[inline(always)]
@@ -174,6 +205,14 @@ pub fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// x <- e^x.
 pub fn exp(x: &mut [f64]) {
     dispatch::run(Exp { x }, instructions());
+}
+
+/// out_ij = (f_i + g_j - cost_ij) rate; return the largest |largest entry| of any row or column.
+#[must_use]
+pub fn exponents(f: &[f64], g: &[f64], cost: &[f64], rate: f64, out: &mut [f64]) -> f64 {
+    let (mut tops, mut row_top) = (vec![f64::NEG_INFINITY; g.len()], 0.0);
+    dispatch::run(Exponents { f, g, cost, rate, out, tops: &mut tops, row_top: &mut row_top }, instructions());
+    tops.iter().fold(row_top, |top, x| top.max(x.abs()))
 }
 
 /// out_i = sum_j matrix_ij weights_j.
@@ -238,6 +277,14 @@ mod tests {
             }
             let far: f64 = before.iter().zip(&out).map(|(a, b)| (a - b).abs()).sum();
             assert!((distance(&before, &out) - far).abs() < 1e-12 * (1.0 + far));
+            let mut table = vec![0.0; n * m];
+            let top = exponents(&x[..n], &y[..m], &before, 3.0, &mut table);
+            let entry = |i: usize, j: usize| (x[i] + y[j] - before[i * m + j]) * 3.0;
+            assert!((0..n * m).all(|k| (table[k] - entry(k / m, k % m)).abs() < 1e-14));
+            let row = |i: usize| (0..m).map(|j| entry(i, j)).fold(f64::MIN, f64::max).abs();
+            let col = |j: usize| (0..n).map(|i| entry(i, j)).fold(f64::MIN, f64::max).abs();
+            let expected = (0..n).map(row).chain((0..m).map(col)).fold(0.0, f64::max);
+            assert!((top - expected).abs() < 1e-14);
             let mut powers = before.clone();
             exp(&mut powers);
             assert!(powers.iter().zip(&before).all(|(p, x)| (p - x.exp()).abs() < 1e-15));
