@@ -82,7 +82,9 @@ type Solved<'py> = (
 fn packed<'py>(py: Python<'py>, solutions: &[Solution]) -> PyResult<Solved<'py>> {
     let flat = |of: fn(&Solution) -> &[f64]| {
         let mut all = Vec::with_capacity(solutions.iter().map(|s| of(s).len()).sum());
-        solutions.iter().for_each(|s| all.extend_from_slice(of(s)));
+        for solution in solutions {
+            all.extend_from_slice(of(solution));
+        }
         all.into_pyarray(py)
     };
     let count = |of: fn(&Solution) -> usize| {
