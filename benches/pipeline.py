@@ -2,8 +2,8 @@
 
     python benches/pipeline.py [OBJECTS]
 
-Without OBJECTS the targets are zoo objects written to files first; with it, folders of labelled objects. The library is the
-demo's. Medians over the targets, one warm-up each.
+Without OBJECTS the targets are zoo objects written to files first; with it, folders of labelled objects. The library
+is the demo's. Medians over the targets, one warm-up each.
 """
 
 import argparse
