@@ -2,7 +2,8 @@
 
 from graft.contact.dense import DenseMap, dense_map
 from graft.contact.encoding import fourier_encoding
-from graft.contact.frames import CanonicalFrame, FramePair, align_parts
+from graft.contact.canonical import CanonicalFrame
+from graft.contact.frames import FramePair, align_parts
 from graft.contact.transfer import TransferredContact, matched_part, transfer_contact
 
 __all__ = [

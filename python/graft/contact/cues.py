@@ -1,0 +1,153 @@
+"""What candidate frames of a target part are judged by, given the frame of the source part.
+
+* extents: how far the box has to be distorted to carry one part onto the other;
+* neighbours: whether the other parts, weighted by what the plan says of them, lie on the same sides;
+* up: whether the up axes agree, where both objects have one;
+* shape: the chamfer distance of the two parts in the canonical box;
+* surroundings: the chamfer distance of everything else the objects show, seen from the part. It is what tells
+  how a bucket is turned, whose handle is centred over it.
+
+The first three are closed forms in the rotation (`Cues.quick`); distances are dear and never negative, so the search
+in `graft.contact.frames` asks for them (`Cues.dear`) only where the first three leave a candidate in the running.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graft.contact.canonical import CanonicalFrames
+from graft.graph import PartGraph
+from graft.objects import Floats
+
+SHAPE_WEIGHT = 1.0
+"""Weight of the chamfer distance, in canonical units (the box is 2 wide)."""
+
+SURROUNDINGS_WEIGHT = 1.0
+"""Weight of the surroundings' chamfer distance, in shares of the diagonal."""
+
+EXTENT_WEIGHT = 0.3
+"""Weight of the spread of log extent ratios."""
+
+NEIGHBOUR_WEIGHT = 1.0
+"""Weight of the neighbours' mean squared direction difference, in [0, 4], scaled to [0, 1]."""
+
+UP_WEIGHT = 1.0
+"""Weight of (1 - cos) / 2 between the up axes, in [0, 1]."""
+
+DIRECTION_FLOOR = 0.02
+"""An offset shorter than this share of the object's diagonal points nowhere: such a neighbour is concentric."""
+
+CLOUD_SIZE = 96
+"""Surface samples of the part, and of all other parts together, that the chamfer distances compare."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What one object shows of itself from one of its parts, in the object's frame.
+
+    Attributes:
+        cloud: (a, 3) samples of the part, object units.
+        surroundings: (b, 3) samples of the other parts from the part's centre, in shares of the diagonal; b may be 0.
+        seen: (n, 3) directions of all parts' centres; shorter than 1 when nearly concentric, 0 for the part itself.
+        rest: (3,) direction of the area-weighted mean of the other parts' centres, likewise.
+        up: (3,) or None.
+    """
+
+    cloud: Floats
+    surroundings: Floats
+    seen: Floats
+    rest: Floats
+    up: Floats | None
+
+    @classmethod
+    def of(cls, graph: PartGraph, part: int) -> View:
+        offsets = (graph.centers - graph.centers[part]) / graph.diagonal
+        others = [i for i in range(len(graph)) if i != part]
+        each = -(-CLOUD_SIZE // max(1, len(others)))
+        around = [_thinned(graph.points[i], each) - graph.centers[part] for i in others]
+        return cls(
+            cloud=_thinned(graph.points[part], CLOUD_SIZE),
+            surroundings=np.concatenate(around) / graph.diagonal if around else np.zeros((0, 3)),
+            seen=_unit_rows(offsets),
+            rest=_unit_rows(companion(graph, part)),
+            up=graph.object.up,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Cues:
+    """The cues for frames of one target part; `source` is given in the source part's canonical frame.
+
+    Attributes:
+        half_extents: (3,) of the source part's frame.
+        source: The source's view; its cloud in canonical coordinates, its directions along the frame's axes.
+        target: The target's view, in the target's object frame.
+        weights: (n, m) the plan without the two parts, adding up to 1, or all 0.
+    """
+
+    half_extents: Floats
+    source: View
+    target: View
+    weights: Floats
+
+    def quick(self, frames: CanonicalFrames) -> Floats:
+        """Return (k,) the score of k target frames by extents, neighbours and up."""
+        rotations = frames.rotations
+        scores: Floats = EXTENT_WEIGHT * np.log(frames.half_extents / self.half_extents).std(axis=1)
+        # What lies where: matched neighbours, and the rest of the object as a whole, in equal parts.
+        apart = np.square(self.source.rest - self.target.rest @ rotations).sum(axis=1)
+        if self.weights.any():
+            squares = self.weights.sum(axis=1) @ np.square(self.source.seen).sum(axis=1)
+            squares += self.weights.sum(axis=0) @ np.square(self.target.seen).sum(axis=1)
+            agreement = self.source.seen.T @ self.weights @ self.target.seen
+            apart = (apart + squares - 2.0 * np.einsum("ab,kba->k", agreement, rotations)) / 2.0
+        scores += NEIGHBOUR_WEIGHT * apart / 4.0
+        if self.source.up is not None and self.target.up is not None:
+            scores += UP_WEIGHT * (1.0 - self.target.up @ rotations @ self.source.up) / 2.0
+        return scores
+
+    def dear(self, frames: CanonicalFrames) -> Floats:
+        """Return (k,) the score of k target frames by shape and surroundings."""
+        scores = SHAPE_WEIGHT * _chamfer(self.source.cloud, frames.to_canonical(self.target.cloud))
+        if len(self.source.surroundings) and len(self.target.surroundings):
+            around = self.target.surroundings @ frames.rotations
+            scores += SURROUNDINGS_WEIGHT * _chamfer(self.source.surroundings, around)
+        return scores
+
+
+def companion(graph: PartGraph, part: int) -> Floats:
+    """Return (3,) where the rest of the object lies, seen from `part`: the area-weighted mean offset / diagonal."""
+    weights = graph.areas.copy()
+    weights[part] = 0.0
+    total = float(weights.sum())
+    if total <= 0:
+        return np.zeros(3)
+    mean: Floats = (weights @ graph.centers / total - graph.centers[part]) / graph.diagonal
+    return mean
+
+
+def _unit_rows(offsets: Floats) -> Floats:
+    """Normalise (..., 3); rows shorter than the floor shrink towards zero and say nothing."""
+    length = np.linalg.norm(offsets, axis=-1, keepdims=True)
+    rows: Floats = offsets / np.maximum(length, DIRECTION_FLOOR)
+    return rows
+
+
+def _thinned(points: Floats, size: int) -> Floats:
+    """Return `size` of the samples, evenly spread over their order; all where there are fewer."""
+    if len(points) <= size:
+        return points
+    return points[np.arange(size) * len(points) // size]
+
+
+def _chamfer(cloud: Floats, candidates: Floats) -> Floats:
+    """Return (k,) the mean nearest distances, both ways, between cloud (a, 3) and each of (k, b, 3)."""
+    squares = candidates @ (-2.0 * cloud.T)
+    squares += np.square(cloud).sum(axis=1)
+    squares += np.square(candidates).sum(axis=2)[:, :, None]
+    there = np.sqrt(np.maximum(squares.min(axis=2), 0.0)).mean(axis=1)
+    back = np.sqrt(np.maximum(squares.min(axis=1), 0.0)).mean(axis=1)
+    mean: Floats = (there + back) / 2.0
+    return mean
