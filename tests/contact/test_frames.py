@@ -4,7 +4,8 @@ import trimesh
 from numpy.testing import assert_allclose
 
 from graft import zoo
-from graft.contact.frames import CUBE_ROTATIONS, CanonicalFrame, align_parts, box_frame
+from graft.contact.canonical import CUBE_ROTATIONS, CanonicalFrame, box_frame
+from graft.contact.frames import align_parts
 from graft.graph import build_graph
 from graft.objects import Part, PartObject
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graft.contact.canonical import CanonicalFrames
+from graft.contact.canonical import CanonicalFrame, CanonicalFrames
 from graft.graph import PartGraph
 from graft.objects import Floats
 
@@ -117,6 +117,26 @@ class Cues:
         return scores
 
 
+    def closest_turn(self, frame: CanonicalFrame) -> Floats:
+        """Return the rotation (3, 3) of `frame` after one step of iterative closest points in which only it moves.
+
+        Nearest points are paired both ways, the part's in the canonical box, the surroundings' in shares of the
+        diagonal; the rotation that brings the pairs together in the least squares is the orthogonal factor of their
+        correlation (Arun, Huang, Blostein 1987).
+        """
+        cloud = (self.target.cloud - frame.center) @ frame.rotation
+        correlation = SHAPE_WEIGHT * _pairs(
+            self.source.cloud, cloud / frame.half_extents, self.source.cloud * self.half_extents, cloud
+        )
+        if len(self.source.surroundings) and len(self.target.surroundings):
+            around = self.target.surroundings @ frame.rotation
+            correlation += SURROUNDINGS_WEIGHT * _pairs(self.source.surroundings, around, self.source.surroundings, around)
+        left, _, right = np.linalg.svd(correlation)
+        sign = np.array([1.0, 1.0, np.linalg.det(left @ right)])
+        turn: Floats = frame.rotation @ (right.T * sign) @ left.T
+        return turn
+
+
 def companion(graph: PartGraph, part: int) -> Floats:
     """Return (3,) where the rest of the object lies, seen from `part`: the area-weighted mean offset / diagonal."""
     weights = graph.areas.copy()
@@ -151,3 +171,16 @@ def _chamfer(cloud: Floats, candidates: Floats) -> Floats:
     back = np.sqrt(np.maximum(squares.min(axis=1), 0.0)).mean(axis=1)
     mean: Floats = (there + back) / 2.0
     return mean
+
+
+def _pairs(cloud: Floats, other: Floats, values: Floats, others: Floats) -> Floats:
+    """Return (3, 3) the correlation of `values` (a, 3) with `others` (b, 3), paired by nearest points both ways.
+
+    Nearness is between cloud (a, 3) and other (b, 3). Each set of values counts as of unit size.
+    """
+    squares = np.square(other).sum(axis=1) - 2.0 * (cloud @ other.T) + np.square(cloud).sum(axis=1)[:, None]
+    there, back = squares.argmin(axis=1), squares.argmin(axis=0)
+    correlation = values.T @ others[there] / len(values) + values[back].T @ others / len(others)
+    size = np.sqrt(np.square(values).sum(axis=1).mean() * np.square(others).sum(axis=1).mean())
+    scaled: Floats = correlation / max(float(size), np.finfo(np.float64).tiny)
+    return scaled

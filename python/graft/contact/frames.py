@@ -36,6 +36,9 @@ TIE_TOLERANCE = 1e-9
 ELSEWHERE = float(np.cos(np.deg2rad(45)))
 """Frames that differ by a turn whose cosine is below this point elsewhere; they set the margin."""
 
+CLOSEST_POINT_STEPS = 12
+"""Most steps of the refinement by nearest points; it stops earlier when one does not lower the score."""
+
 CHUNK = 8
 """Candidates whose chamfer distances are computed at once."""
 
@@ -72,7 +75,7 @@ def align_parts(source: PartGraph, source_part: int, target: PartGraph, target_p
     candidates = _candidates(target, target_part)
     best, scores = _search(cues, candidates)
     cosines = (np.einsum("kij,ij->k", candidates.rotations, candidates.rotations[best]) - 1.0) / 2.0
-    winner, score = _refined(cues, target, target_part, candidates.one(best), scores[best])
+    winner, score = _refined(cues, target, target_part, candidates.one(best), float(scores[best]))
     elsewhere = scores[cosines < ELSEWHERE]
     margin = max(0.0, float(elsewhere.min()) - score) if len(elsewhere) else float("inf")
     return FramePair(frame, winner, score, margin)
@@ -169,16 +172,25 @@ def _search(cues: Cues, frames: CanonicalFrames) -> tuple[int, Floats]:
 def _refined(
     cues: Cues, graph: PartGraph, part: int, frame: CanonicalFrame, score: float
 ) -> tuple[CanonicalFrame, float]:
-    """Turn a frame about the axes on which its part is round, in halving steps, while the score falls."""
+    """Turn a frame while its score falls: by nearest points, then, for round parts, in halving steps about the axis."""
+    floor = _floor(graph, part)
+    for _ in range(CLOSEST_POINT_STEPS):
+        if score <= TIE_TOLERANCE:
+            return frame, score
+        turned = CanonicalFrames.fitted(graph.points[part], cues.closest_turn(frame)[None], floor)
+        found = float((cues.quick(turned) + cues.dear(turned))[0])
+        if found >= score - TIE_TOLERANCE:
+            break
+        frame, score = turned.one(0), found
     axes = _round_axes(frame.half_extents)
     step = TURN_STEP / 2.0
     while axes and step >= FINEST_STEP and score > TIE_TOLERANCE:
         turns = np.concatenate([turns_about(axis, np.array([step, -step])) for axis in axes])
-        tried = CanonicalFrames.fitted(graph.points[part], frame.rotation @ turns, _floor(graph, part))
+        tried = CanonicalFrames.fitted(graph.points[part], frame.rotation @ turns, floor)
         scores = cues.quick(tried) + cues.dear(tried)
         best = int(np.argmin(scores))
         if scores[best] < score - TIE_TOLERANCE:
             frame, score = tried.one(best), float(scores[best])
         else:
             step /= 2.0
-    return frame, float(score)
+    return frame, score

@@ -18,8 +18,12 @@ from graft.marking import closest_surface_point
 from graft.objects import Contact, Floats
 
 NORMAL_WEIGHT = 0.5
-"""Weight of the squared difference of unit normals beside the squared difference of codes. Keeps a contact on the
-outer wall from landing on the inner one; small enough that a place decides before a direction does."""
+"""Weight of the squared difference of unit normals, beyond the tolerance, beside the squared difference of codes.
+Keeps a contact on the outer wall from landing on the inner one."""
+
+NORMAL_TOLERANCE = 2.0 - 2.0 * float(np.cos(np.deg2rad(30)))
+"""Squared difference of unit normals that costs nothing, so that a place decides before a direction does: on a thin
+bar a frame that is a few degrees off changes the normal at a place by more than a point further along would."""
 
 COST_SCALE = 0.5
 """Ranking cost at which the confidence has fallen to 1/e of what the plan alone would give."""
@@ -87,7 +91,8 @@ def transfer_contact(match: Match) -> TransferredContact:
     points, normals = _landing_places(match, target_part, frames.target.to_object(place))
     codes = fourier_encoding(frames.target.to_canonical(points))
     distance = np.square(codes - fourier_encoding(place)).sum(axis=1)
-    distance += NORMAL_WEIGHT * np.square(frames.target.directions(normals) - facing).sum(axis=1)
+    turned = np.square(frames.target.directions(normals) - facing).sum(axis=1)
+    distance += NORMAL_WEIGHT * np.maximum(turned - NORMAL_TOLERANCE, 0.0)
     best = int(np.argmin(distance))
 
     rotation = frames.target.rotation @ frames.source.rotation.T
