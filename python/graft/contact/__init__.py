@@ -1,8 +1,8 @@
 """Carry a demonstrated contact over to a target: part match, canonical frames, Fourier codes, landing."""
 
+from graft.contact.canonical import CanonicalFrame
 from graft.contact.dense import DenseMap, dense_map
 from graft.contact.encoding import fourier_encoding
-from graft.contact.canonical import CanonicalFrame
 from graft.contact.frames import FramePair, align_parts
 from graft.contact.transfer import TransferredContact, matched_part, transfer_contact
 

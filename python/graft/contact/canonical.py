@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
 
 from graft.graph import PartGraph
-from graft.objects import Floats
+from graft.objects import Floats, Ints
 
 THINNEST = 1e-3
 """A fitted frame is at least this share of the part's least half extent thick: flat parts stay invertible."""
@@ -59,6 +60,15 @@ class CanonicalFrames:
     half_extents: Floats
 
     @classmethod
+    def of(cls, frames: Sequence[CanonicalFrame]) -> CanonicalFrames:
+        """Return several frames as one set."""
+        return cls(
+            np.stack([f.rotation for f in frames]),
+            np.stack([f.center for f in frames]),
+            np.stack([f.half_extents for f in frames]),
+        )
+
+    @classmethod
     def fitted(cls, points: Floats, rotations: Floats, floor: float) -> CanonicalFrames:
         """Return the frames of given rotations (k, 3, 3) whose boxes bound `points` (p, 3)."""
         turned = points @ rotations
@@ -67,7 +77,7 @@ class CanonicalFrames:
         return cls(rotations, centers, np.maximum((high - low) / 2.0, floor))
 
     @classmethod
-    def joined(cls, several: list[CanonicalFrames]) -> CanonicalFrames:
+    def joined(cls, several: Sequence[CanonicalFrames]) -> CanonicalFrames:
         """Return several sets as one, in order."""
         return cls(
             np.concatenate([s.rotations for s in several]),
@@ -75,7 +85,7 @@ class CanonicalFrames:
             np.concatenate([s.half_extents for s in several]),
         )
 
-    def __getitem__(self, rows: slice | list[int] | Floats) -> CanonicalFrames:
+    def __getitem__(self, rows: Ints) -> CanonicalFrames:
         return CanonicalFrames(self.rotations[rows], self.centers[rows], self.half_extents[rows])
 
     def __len__(self) -> int:
@@ -90,7 +100,9 @@ class CanonicalFrames:
         rotations = self.rotations[:, None] @ CUBE_ROTATIONS
         half_extents = self.half_extents[:, None, None] @ np.abs(CUBE_ROTATIONS)
         return CanonicalFrames(
-            rotations.reshape(-1, 3, 3), np.repeat(self.centers, len(CUBE_ROTATIONS), axis=0), half_extents.reshape(-1, 3)
+            rotations.reshape(-1, 3, 3),
+            np.repeat(self.centers, len(CUBE_ROTATIONS), axis=0),
+            half_extents.reshape(-1, 3),
         )
 
     def to_canonical(self, points: Floats) -> Floats:

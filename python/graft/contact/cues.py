@@ -3,17 +3,19 @@
 * extents: how far the box has to be distorted to carry one part onto the other;
 * neighbours: whether the other parts, weighted by what the plan says of them, lie on the same sides;
 * up: whether the up axes agree, where both objects have one;
+* outlook: where a contact is given, whether it looks at as much of the object as the demonstrated one does: the
+  outer side of a bar looks away from the object, the inner side looks at it;
 * shape: the chamfer distance of the two parts in the canonical box;
 * surroundings: the chamfer distance of everything else the objects show, seen from the part. It is what tells
   how a bucket is turned, whose handle is centred over it.
 
-The first three are closed forms in the rotation (`Cues.quick`); distances are dear and never negative, so the search
-in `graft.contact.frames` asks for them (`Cues.dear`) only where the first three leave a candidate in the running.
+The first four are closed forms in the rotation (`Cues.quick`); distances are dear and never negative, so the search
+in `graft.contact.frames` asks for them (`Cues.dear`) only where the first four leave a candidate in the running.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +38,12 @@ NEIGHBOUR_WEIGHT = 1.0
 UP_WEIGHT = 1.0
 """Weight of (1 - cos) / 2 between the up axes, in [0, 1]."""
 
+OUTLOOK_WEIGHT = 0.5
+"""Weight of the difference of the outlooks, each in [0, 1]."""
+
+OUTLOOK = float(np.cos(np.deg2rad(45)))
+"""A contact looks at what lies within this cosine of its normal."""
+
 DIRECTION_FLOOR = 0.02
 """An offset shorter than this share of the object's diagonal points nowhere: such a neighbour is concentric."""
 
@@ -48,6 +56,8 @@ class View:
     """What one object shows of itself from one of its parts, in the object's frame.
 
     Attributes:
+        center: (3,) of the part's box, object units.
+        diagonal: Of the object, object units.
         cloud: (a, 3) samples of the part, object units.
         surroundings: (b, 3) samples of the other parts from the part's centre, in shares of the diagonal; b may be 0.
         seen: (n, 3) directions of all parts' centres; shorter than 1 when nearly concentric, 0 for the part itself.
@@ -55,6 +65,8 @@ class View:
         up: (3,) or None.
     """
 
+    center: Floats
+    diagonal: float
     cloud: Floats
     surroundings: Floats
     seen: Floats
@@ -63,17 +75,60 @@ class View:
 
     @classmethod
     def of(cls, graph: PartGraph, part: int) -> View:
+        """Return the view that a graph's object offers from `part`."""
         offsets = (graph.centers - graph.centers[part]) / graph.diagonal
         others = [i for i in range(len(graph)) if i != part]
         each = -(-CLOUD_SIZE // max(1, len(others)))
         around = [_thinned(graph.points[i], each) - graph.centers[part] for i in others]
         return cls(
+            center=graph.centers[part],
+            diagonal=graph.diagonal,
             cloud=_thinned(graph.points[part], CLOUD_SIZE),
             surroundings=np.concatenate(around) / graph.diagonal if around else np.zeros((0, 3)),
             seen=_unit_rows(offsets),
             rest=_unit_rows(companion(graph, part)),
             up=graph.object.up,
         )
+
+    def outlook(self, points: Floats, normals: Floats) -> Floats:
+        """Return (k,) the share of the surroundings that points (k, 3) with normals (k, 3) look at, object frame.
+
+        0 where there are no surroundings.
+        """
+        if not len(self.surroundings):
+            return np.zeros(len(points))
+        places = (points - self.center) / self.diagonal
+        ahead = normals @ self.surroundings.T - (normals * places).sum(axis=1)[:, None]
+        squares = np.square(self.surroundings).sum(axis=1) - 2.0 * (places @ self.surroundings.T)
+        squares += np.square(places).sum(axis=1)[:, None]
+        share: Floats = ((ahead > 0.0) & (np.square(ahead) > OUTLOOK**2 * squares)).mean(axis=1)
+        return share
+
+    def within(self, frame: CanonicalFrame) -> View:
+        """Return the view with its cloud in canonical coordinates and its directions along the frame's axes."""
+        return replace(
+            self,
+            cloud=frame.to_canonical(self.cloud),
+            surroundings=frame.directions(self.surroundings),
+            seen=frame.directions(self.seen),
+            rest=frame.directions(self.rest),
+            up=None if self.up is None else frame.directions(self.up),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Spot:
+    """A demonstrated contact in the source part's canonical frame.
+
+    Attributes:
+        place: (3,) canonical coordinates.
+        facing: (3,) outward unit normal along the frame's axes.
+        outlook: Share of the surroundings that it looks at.
+    """
+
+    place: Floats
+    facing: Floats
+    outlook: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +140,17 @@ class Cues:
         source: The source's view; its cloud in canonical coordinates, its directions along the frame's axes.
         target: The target's view, in the target's object frame.
         weights: (n, m) the plan without the two parts, adding up to 1, or all 0.
+        spot: The demonstrated contact, or None.
     """
 
     half_extents: Floats
     source: View
     target: View
     weights: Floats
+    spot: Spot | None
 
     def quick(self, frames: CanonicalFrames) -> Floats:
-        """Return (k,) the score of k target frames by extents, neighbours and up."""
+        """Return (k,) the score of k target frames by extents, neighbours, up and outlook."""
         rotations = frames.rotations
         scores: Floats = EXTENT_WEIGHT * np.log(frames.half_extents / self.half_extents).std(axis=1)
         # What lies where: matched neighbours, and the rest of the object as a whole, in equal parts.
@@ -106,6 +163,10 @@ class Cues:
         scores += NEIGHBOUR_WEIGHT * apart / 4.0
         if self.source.up is not None and self.target.up is not None:
             scores += UP_WEIGHT * (1.0 - self.target.up @ rotations @ self.source.up) / 2.0
+        if self.spot is not None:
+            points = frames.centers + np.einsum("kab,kb->ka", rotations, frames.half_extents * self.spot.place)
+            outlook = self.target.outlook(points, rotations @ self.spot.facing)
+            scores += OUTLOOK_WEIGHT * np.abs(outlook - self.spot.outlook)
         return scores
 
     def dear(self, frames: CanonicalFrames) -> Floats:
@@ -115,7 +176,6 @@ class Cues:
             around = self.target.surroundings @ frames.rotations
             scores += SURROUNDINGS_WEIGHT * _chamfer(self.source.surroundings, around)
         return scores
-
 
     def closest_turn(self, frame: CanonicalFrame) -> Floats:
         """Return the rotation (3, 3) of `frame` after one step of iterative closest points in which only it moves.
@@ -130,7 +190,9 @@ class Cues:
         )
         if len(self.source.surroundings) and len(self.target.surroundings):
             around = self.target.surroundings @ frame.rotation
-            correlation += SURROUNDINGS_WEIGHT * _pairs(self.source.surroundings, around, self.source.surroundings, around)
+            correlation += SURROUNDINGS_WEIGHT * _pairs(
+                self.source.surroundings, around, self.source.surroundings, around
+            )
         left, _, right = np.linalg.svd(correlation)
         sign = np.array([1.0, 1.0, np.linalg.det(left @ right)])
         turn: Floats = frame.rotation @ (right.T * sign) @ left.T

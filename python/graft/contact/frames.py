@@ -12,14 +12,15 @@ extents tie, and how a round part is turned about its axis. A pair of matched pa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graft.contact.canonical import THINNEST, CanonicalFrame, CanonicalFrames, box_frame, turns_about
-from graft.contact.cues import DIRECTION_FLOOR, Cues, View, companion
+from graft.contact.cues import DIRECTION_FLOOR, Cues, Spot, View, companion
 from graft.graph import PartGraph
-from graft.objects import Floats
+from graft.objects import Contact, Floats, Ints
 
 ROUND_TIE = 0.15
 """Two extents of a box within this relative difference make the part round about the third axis."""
@@ -60,7 +61,14 @@ class FramePair:
     margin: float
 
 
-def align_parts(source: PartGraph, source_part: int, target: PartGraph, target_part: int, plan: Floats) -> FramePair:
+def align_parts(
+    source: PartGraph,
+    source_part: int,
+    target: PartGraph,
+    target_part: int,
+    plan: Floats,
+    contact: Contact | None = None,
+) -> FramePair:
     """Align the canonical frames of two matched parts.
 
     Args:
@@ -69,38 +77,45 @@ def align_parts(source: PartGraph, source_part: int, target: PartGraph, target_p
         target: m parts.
         target_part: Index of the part in the target.
         plan: (n, m) transport plan; tells which neighbours correspond.
+        contact: On the source part, object frame. Where it would look at the object other than it does on the
+            source, a frame is worse: it tells how to turn a round part that nothing else does.
     """
     frame = _faced(source, source_part)
-    cues = _cues(source, source_part, target, target_part, frame, plan)
+    cues = _cues(source, source_part, target, target_part, frame, plan, contact)
     candidates = _candidates(target, target_part)
     best, scores = _search(cues, candidates)
-    cosines = (np.einsum("kij,ij->k", candidates.rotations, candidates.rotations[best]) - 1.0) / 2.0
     winner, score = _refined(cues, target, target_part, candidates.one(best), float(scores[best]))
-    elsewhere = scores[cosines < ELSEWHERE]
+    elsewhere = scores[_points_elsewhere(candidates.rotations, candidates.rotations[best])]
     margin = max(0.0, float(elsewhere.min()) - score) if len(elsewhere) else float("inf")
     return FramePair(frame, winner, score, margin)
 
 
 def _cues(
-    source: PartGraph, source_part: int, target: PartGraph, target_part: int, frame: CanonicalFrame, plan: Floats
+    source: PartGraph,
+    source_part: int,
+    target: PartGraph,
+    target_part: int,
+    frame: CanonicalFrame,
+    plan: Floats,
+    contact: Contact | None,
 ) -> Cues:
     """Return the cues for frames of the target part against `frame` of the source part."""
     seen = View.of(source, source_part)
+    spot = None
+    if contact is not None:
+        outlook = float(seen.outlook(contact.point[None], contact.normal[None])[0])
+        spot = Spot(frame.to_canonical(contact.point), frame.directions(contact.normal), outlook)
     weights = plan.copy()
     weights[source_part, :] = 0.0
     weights[:, target_part] = 0.0
-    return Cues(
-        half_extents=frame.half_extents,
-        source=View(
-            cloud=frame.to_canonical(seen.cloud),
-            surroundings=frame.directions(seen.surroundings),
-            seen=frame.directions(seen.seen),
-            rest=frame.directions(seen.rest),
-            up=None if seen.up is None else frame.directions(seen.up),
-        ),
-        target=View.of(target, target_part),
-        weights=weights / max(float(weights.sum()), np.finfo(np.float64).tiny),
-    )
+    weights /= max(float(weights.sum()), np.finfo(np.float64).tiny)
+    return Cues(frame.half_extents, seen.within(frame), View.of(target, target_part), weights, spot)
+
+
+def _points_elsewhere(rotations: Floats, rotation: Floats) -> NDArray[np.bool_]:
+    """Tell which rotations (k, 3, 3) differ from `rotation` by a large turn."""
+    elsewhere: NDArray[np.bool_] = (np.einsum("kij,ij->k", rotations, rotation) - 1.0) / 2.0 < ELSEWHERE
+    return elsewhere
 
 
 def _round_axes(half_extents: Floats) -> list[int]:
@@ -133,13 +148,12 @@ def _faced(graph: PartGraph, part: int) -> CanonicalFrame:
 def _candidates(graph: PartGraph, part: int) -> CanonicalFrames:
     """Return the frames of the part that are tried, in the order in which ties are broken."""
     faced, box = _faced(graph, part), box_frame(graph, part)
-    bases = [CanonicalFrames(*(np.stack([getattr(f, n) for f in (faced, box)]) for n in ("rotation", "center", "half_extents")))]
-    angles = np.arange(TURN_STEP, np.pi / 2.0 - 1e-9, TURN_STEP)
-    for axis in _round_axes(box.half_extents):
+    axes = _round_axes(box.half_extents)
+    bases = [CanonicalFrames.of([faced, box] if axes else [box])]
+    angles = np.arange(1, round(np.pi / 2.0 / TURN_STEP)) * TURN_STEP
+    for axis in axes:
         rotations = faced.rotation @ turns_about(axis, angles)
         bases.append(CanonicalFrames.fitted(graph.points[part], rotations, _floor(graph, part)))
-    if len(bases) == 1:
-        bases[0] = bases[0][:1]
     return CanonicalFrames.joined(bases).permuted()
 
 
@@ -153,19 +167,18 @@ def _search(cues: Cues, frames: CanonicalFrames) -> tuple[int, Floats]:
     order = np.argsort(quick, kind="stable")
     scores = np.full(len(frames), np.inf)
 
-    def judge(rows: np.ndarray, limit: np.ndarray | None) -> None:
+    def judge(rows: Ints, rivals: Ints) -> None:
         for start in range(0, len(rows), CHUNK):
             chunk = rows[start : start + CHUNK]
-            known = scores if limit is None else scores[limit]
-            if quick[chunk[0]] > known.min() + TIE_TOLERANCE:
+            if quick[chunk[0]] > scores[rivals].min() + TIE_TOLERANCE:
                 return
             scores[chunk] = quick[chunk] + cues.dear(frames[chunk])
 
-    judge(order, None)
+    judge(order, order)
     best = int(np.argmax(scores <= scores.min() + TIE_TOLERANCE))
-    cosines = (np.einsum("kij,ij->k", frames.rotations, frames.rotations[best]) - 1.0) / 2.0
-    far = np.flatnonzero(cosines < ELSEWHERE)
-    judge(np.array([k for k in order if cosines[k] < ELSEWHERE and np.isinf(scores[k])], np.int64), far)
+    elsewhere = order[_points_elsewhere(frames.rotations[order], frames.rotations[best])]
+    if len(elsewhere):
+        judge(elsewhere[np.isinf(scores[elsewhere])], elsewhere)
     return best, scores
 
 

@@ -84,7 +84,7 @@ def transfer_contact(match: Match) -> TransferredContact:
     """
     contact = match.demonstration.contact
     target_part, share = matched_part(match.transport.plan, contact.part)
-    frames = align_parts(match.source, contact.part, match.target, target_part, match.transport.plan)
+    frames = align_parts(match.source, contact.part, match.target, target_part, match.transport.plan, contact)
 
     place = frames.source.to_canonical(contact.point)
     facing = frames.source.directions(contact.normal)
