@@ -226,13 +226,23 @@ def _thinned(points: Floats, size: int) -> Floats:
 
 def _chamfer(cloud: Floats, candidates: Floats) -> Floats:
     """Return (k,) the mean nearest distances, both ways, between cloud (a, 3) and each of (k, b, 3)."""
-    squares = candidates @ (-2.0 * cloud.T)
-    squares += np.square(cloud).sum(axis=1)
-    squares += np.square(candidates).sum(axis=2)[:, :, None]
-    there = np.sqrt(np.maximum(squares.min(axis=2), 0.0)).mean(axis=1)
-    back = np.sqrt(np.maximum(squares.min(axis=1), 0.0)).mean(axis=1)
-    mean: Floats = (there + back) / 2.0
+    there = _nearest(cloud, candidates)
+    back = _nearest(candidates, cloud[None])
+    mean: Floats = (there.mean(axis=1) + back.mean(axis=1)) / 2.0
     return mean
+
+
+def _nearest(points: Floats, others: Floats) -> Floats:
+    """Return (k, p) the distance of each of points ([k,] p, 3) to the nearest of others (k or 1, o, 3).
+
+    |p - o|^2 = |p|^2 + (|o|^2 - 2 o.p), the bracket in one product; the minimum runs over rows, which numpy does
+    with vector instructions.
+    """
+    squares = np.square(points).sum(axis=-1)
+    heights = np.concatenate([-2.0 * others, np.square(others).sum(axis=-1)[..., None]], axis=-1)
+    lifted = np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1)
+    found: Floats = np.sqrt(np.maximum((heights @ np.swapaxes(lifted, -1, -2)).min(axis=-2) + squares, 0.0))
+    return found
 
 
 def _pairs(cloud: Floats, other: Floats, values: Floats, others: Floats) -> Floats:
