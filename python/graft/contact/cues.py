@@ -177,6 +177,11 @@ class Cues:
             scores += SURROUNDINGS_WEIGHT * _chamfer(self.source.surroundings, around)
         return scores
 
+    def scores(self, frames: CanonicalFrames) -> Floats:
+        """Return (k,) the whole score of k target frames, lower is better."""
+        total: Floats = self.quick(frames) + self.dear(frames)
+        return total
+
     def closest_turn(self, frame: CanonicalFrame) -> Floats:
         """Return the rotation (3, 3) of `frame` after one step of iterative closest points in which only it moves.
 

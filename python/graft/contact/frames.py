@@ -28,11 +28,14 @@ ROUND_TIE = 0.15
 TURN_STEP = np.deg2rad(15.0)
 """Between turns of a round part that are tried. Divides the quarter turn, which the cube's rotations supply."""
 
-FINEST_STEP = np.deg2rad(0.2)
-"""The refinement stops below this step: on the rim of a part it is 0.2 % of its width."""
+FINEST_STEP = np.deg2rad(0.4)
+"""The refinement stops below this step: on the rim of a part it is 0.4 % of its width."""
 
 TIE_TOLERANCE = 1e-9
 """Scores closer than this are equal; the earlier candidate wins."""
+
+AMBIGUOUS = 0.02
+"""A margin below this is within what another draw of the surface samples does to a score."""
 
 ELSEWHERE = float(np.cos(np.deg2rad(45)))
 """Frames that differ by a turn whose cosine is below this point elsewhere; they set the margin."""
@@ -52,13 +55,19 @@ class FramePair:
         source: Frame of the source part.
         target: Frame of the target part: points with equal canonical coordinates correspond.
         score: What the winner scored, lower is better.
-        margin: Score of the best candidate that points elsewhere minus `score`; inf when there is none.
+        margin: Score of the best candidate that points elsewhere minus that of the winner before it was refined,
+            not negative; inf when there is none. Below `AMBIGUOUS` nothing tells the two apart but chance.
     """
 
     source: CanonicalFrame
     target: CanonicalFrame
     score: float
     margin: float
+
+    @property
+    def ambiguous(self) -> bool:
+        """Whether another frame fits as well: the part, with all that surrounds it, is symmetric."""
+        return self.margin < AMBIGUOUS
 
 
 def align_parts(
@@ -86,7 +95,7 @@ def align_parts(
     best, scores = _search(cues, candidates)
     winner, score = _refined(cues, target, target_part, candidates.one(best), float(scores[best]))
     elsewhere = scores[_points_elsewhere(candidates.rotations, candidates.rotations[best])]
-    margin = max(0.0, float(elsewhere.min()) - score) if len(elsewhere) else float("inf")
+    margin = float(elsewhere.min() - scores[best]) if len(elsewhere) else float("inf")
     return FramePair(frame, winner, score, margin)
 
 
@@ -191,7 +200,7 @@ def _refined(
         if score <= TIE_TOLERANCE:
             return frame, score
         turned = CanonicalFrames.fitted(graph.points[part], cues.closest_turn(frame)[None], floor)
-        found = float((cues.quick(turned) + cues.dear(turned))[0])
+        found = float(cues.scores(turned)[0])
         if found >= score - TIE_TOLERANCE:
             break
         frame, score = turned.one(0), found
@@ -200,7 +209,7 @@ def _refined(
     while axes and step >= FINEST_STEP and score > TIE_TOLERANCE:
         turns = np.concatenate([turns_about(axis, np.array([step, -step])) for axis in axes])
         tried = CanonicalFrames.fitted(graph.points[part], frame.rotation @ turns, floor)
-        scores = cues.quick(tried) + cues.dear(tried)
+        scores = cues.scores(tried)
         best = int(np.argmin(scores))
         if scores[best] < score - TIE_TOLERANCE:
             frame, score = tried.one(best), float(scores[best])

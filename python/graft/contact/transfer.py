@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graft.contact.cues import View
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import FramePair, align_parts
 from graft.library import Match
@@ -27,6 +28,10 @@ bar a frame that is a few degrees off changes the normal at a place by more than
 
 COST_SCALE = 0.5
 """Ranking cost at which the confidence has fallen to 1/e of what the plan alone would give."""
+
+OUTLOOK_WEIGHT = 1.0
+"""Weight of how much more of the target a place looks at than the demonstrated contact does of the source, in
+[0, 1]. Keeps the gripper's side of a place clear where it was clear in the demonstration."""
 
 OPPOSITE = 1e-9
 """Two unit vectors whose sum is shorter than this are opposite: the turn between them has no axis of its own."""
@@ -93,6 +98,9 @@ def transfer_contact(match: Match) -> TransferredContact:
     distance = np.square(codes - fourier_encoding(place)).sum(axis=1)
     turned = np.square(frames.target.directions(normals) - facing).sum(axis=1)
     distance += NORMAL_WEIGHT * np.maximum(turned - NORMAL_TOLERANCE, 0.0)
+    demonstrated = View.of(match.source, contact.part).outlook(contact.point[None], contact.normal[None])
+    outlook = View.of(match.target, target_part).outlook(points, normals)
+    distance += OUTLOOK_WEIGHT * np.maximum(outlook - demonstrated, 0.0)
     best = int(np.argmin(distance))
 
     rotation = frames.target.rotation @ frames.source.rotation.T
