@@ -44,8 +44,9 @@ OUTLOOK_WEIGHT = 0.5
 OUTLOOK = float(np.cos(np.deg2rad(45)))
 """A contact looks at what lies within this cosine of its normal."""
 
-DIRECTION_FLOOR = 0.02
-"""An offset shorter than this share of the object's diagonal points nowhere: such a neighbour is concentric."""
+DIRECTION_FLOOR = 0.1
+"""An offset shorter than this share of the object's diagonal says less the shorter it is: the screen of a phone is
+concentric with its body, and where its centre lies to a hundredth of the phone must not decide which way it is held."""
 
 CLOUD_SIZE = 96
 """Surface samples of the part, and of all other parts together, that the chamfer distances compare."""

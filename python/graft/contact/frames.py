@@ -18,12 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graft.contact.canonical import THINNEST, CanonicalFrame, CanonicalFrames, box_frame, turns_about
-from graft.contact.cues import DIRECTION_FLOOR, Cues, Spot, View, companion
+from graft.contact.cues import Cues, Spot, View, companion
 from graft.graph import PartGraph
 from graft.objects import Contact, Floats, Ints
 
 ROUND_TIE = 0.15
 """Two extents of a box within this relative difference make the part round about the third axis."""
+
+CONCENTRIC = 0.02
+"""Where the rest of the object lies less than this share of the diagonal off a round part's axis, it is not faced."""
 
 TURN_STEP = np.deg2rad(15.0)
 """Between turns of a round part that are tried. Divides the quarter turn, which the cube's rotations supply."""
@@ -148,7 +151,7 @@ def _faced(graph: PartGraph, part: int) -> CanonicalFrame:
     axis = axes[0]
     toward = companion(graph, part) @ frame.rotation
     first, second = (axis + 1) % 3, (axis + 2) % 3
-    if np.hypot(toward[first], toward[second]) < DIRECTION_FLOOR:
+    if np.hypot(toward[first], toward[second]) < CONCENTRIC:
         return frame
     turn = turns_about(axis, np.array([np.arctan2(toward[second], toward[first])]))
     return CanonicalFrames.fitted(graph.points[part], frame.rotation @ turn, _floor(graph, part)).one(0)
