@@ -64,6 +64,8 @@ class View:
         seen: (n, 3) directions of all parts' centres; shorter than 1 when nearly concentric, 0 for the part itself.
         rest: (3,) direction of the area-weighted mean of the other parts' centres, likewise.
         up: (3,) or None.
+        other_cloud: (a, 3) other samples of the part.
+        other_surroundings: (b, 3) other samples of the other parts.
     """
 
     center: Floats
@@ -73,6 +75,8 @@ class View:
     seen: Floats
     rest: Floats
     up: Floats | None
+    other_cloud: Floats
+    other_surroundings: Floats
 
     @classmethod
     def of(cls, graph: PartGraph, part: int) -> View:
@@ -80,15 +84,20 @@ class View:
         offsets = (graph.centers - graph.centers[part]) / graph.diagonal
         others = [i for i in range(len(graph)) if i != part]
         each = -(-CLOUD_SIZE // max(1, len(others)))
-        around = [_thinned(graph.points[i], each) - graph.centers[part] for i in others]
+        cloud, other_cloud = _draws(graph.points[part], CLOUD_SIZE)
+        around = [_draws(graph.points[i] - graph.centers[part], each) for i in others]
+        nothing = [(np.zeros((0, 3)), np.zeros((0, 3)))]
+        surroundings = [np.concatenate(draw) / graph.diagonal for draw in zip(*(around or nothing), strict=True)]
         return cls(
             center=graph.centers[part],
             diagonal=graph.diagonal,
-            cloud=_thinned(graph.points[part], CLOUD_SIZE),
-            surroundings=np.concatenate(around) / graph.diagonal if around else np.zeros((0, 3)),
+            cloud=cloud,
+            surroundings=surroundings[0],
             seen=_unit_rows(offsets),
             rest=_unit_rows(companion(graph, part)),
             up=graph.object.up,
+            other_cloud=other_cloud,
+            other_surroundings=surroundings[1],
         )
 
     def outlook(self, points: Floats, normals: Floats) -> Floats:
@@ -114,6 +123,8 @@ class View:
             seen=frame.directions(self.seen),
             rest=frame.directions(self.rest),
             up=None if self.up is None else frame.directions(self.up),
+            other_cloud=frame.to_canonical(self.other_cloud),
+            other_surroundings=frame.directions(self.other_surroundings),
         )
 
 
@@ -178,6 +189,17 @@ class Cues:
             scores += SURROUNDINGS_WEIGHT * _chamfer(self.source.surroundings, around)
         return scores
 
+    def noise(self) -> float:
+        """Return the score by distances of the source against another draw of its own samples.
+
+        No score below this is evidence: samples that coincide, as those of an object and its copy do, make every
+        other frame look worse than it is.
+        """
+        noise = SHAPE_WEIGHT * _chamfer(self.source.cloud, self.source.other_cloud[None])
+        if len(self.source.surroundings):
+            noise += SURROUNDINGS_WEIGHT * _chamfer(self.source.surroundings, self.source.other_surroundings[None])
+        return float(noise[0])
+
     def scores(self, frames: CanonicalFrames) -> Floats:
         """Return (k,) the whole score of k target frames, lower is better."""
         total: Floats = self.quick(frames) + self.dear(frames)
@@ -223,11 +245,11 @@ def _unit_rows(offsets: Floats) -> Floats:
     return rows
 
 
-def _thinned(points: Floats, size: int) -> Floats:
-    """Return `size` of the samples, evenly spread over their order; all where there are fewer."""
-    if len(points) <= size:
-        return points
-    return points[np.arange(size) * len(points) // size]
+def _draws(points: Floats, size: int) -> tuple[Floats, Floats]:
+    """Return twice `size` of the samples, evenly spread over their order; the same ones where there are few."""
+    first = np.arange(min(size, len(points))) * len(points) // min(size, len(points))
+    step = max(1, len(points) // size)
+    return points[first], points[np.minimum(first + step // 2, len(points) - 1)]
 
 
 def _chamfer(cloud: Floats, candidates: Floats) -> Floats:

@@ -58,8 +58,9 @@ class FramePair:
         source: Frame of the source part.
         target: Frame of the target part: points with equal canonical coordinates correspond.
         score: What the winner scored, lower is better.
-        margin: Score of the best candidate that points elsewhere minus that of the winner before it was refined,
-            not negative; inf when there is none. Below `AMBIGUOUS` nothing tells the two apart but chance.
+        margin: How much worse the best candidate that points elsewhere scored than the winner before it was refined,
+            or than another draw of the samples would score if that is worse; 0 at least, inf when there is no
+            such candidate. Below `AMBIGUOUS` nothing but chance tells the two apart.
     """
 
     source: CanonicalFrame
@@ -98,7 +99,9 @@ def align_parts(
     best, scores = _search(cues, candidates)
     winner, score = _refined(cues, target, target_part, candidates.one(best), float(scores[best]))
     elsewhere = scores[_points_elsewhere(candidates.rotations, candidates.rotations[best])]
-    margin = float(elsewhere.min() - scores[best]) if len(elsewhere) else float("inf")
+    margin = float("inf")
+    if len(elsewhere):
+        margin = max(0.0, float(elsewhere.min()) - max(float(scores[best]), cues.noise()))
     return FramePair(frame, winner, score, margin)
 
 
