@@ -7,7 +7,8 @@ extents tie, and how a round part is turned about its axis. A pair of matched pa
    when two extents tie, so is every turn about the third axis by `TURN_STEP`, and the turn that brings the rest
    of the object to a side of the box;
 2. each is judged by the cues of `graft.contact.cues`; the best wins, ties go to the candidate made first;
-3. the winner of a part with ties is turned about the tied axes in ever smaller steps while its score falls.
+3. the best, and those that are close to it but point elsewhere, are turned by closest points, and round parts about
+   their axis in ever smaller steps, while their score falls; the best refined one wins.
 """
 
 from __future__ import annotations
@@ -42,6 +43,13 @@ AMBIGUOUS = 0.02
 
 ELSEWHERE = float(np.cos(np.deg2rad(45)))
 """Frames that differ by a turn whose cosine is below this point elsewhere; they set the margin."""
+
+FINALISTS = 3
+"""Most candidates that are refined."""
+
+CLOSE = 0.1
+"""Candidates that score within this of the best, and point elsewhere, are refined too: the box of a copy need not be
+turned as the original's, and the right candidate may be the second best until it is refined."""
 
 CLOSEST_POINT_STEPS = 12
 """Most steps of the refinement by nearest points; it stops earlier when one does not lower the score."""
@@ -97,7 +105,11 @@ def align_parts(
     cues = _cues(source, source_part, target, target_part, frame, plan, contact)
     candidates = _candidates(target, target_part)
     best, scores = _search(cues, candidates)
-    winner, score = _refined(cues, target, target_part, candidates.one(best), float(scores[best]))
+    finalists = [
+        _refined(cues, target, target_part, candidates.one(row), float(scores[row]))
+        for row in _finalists(candidates, scores, best)
+    ]
+    winner, score = min(finalists, key=lambda finalist: finalist[1])
     elsewhere = scores[_points_elsewhere(candidates.rotations, candidates.rotations[best])]
     margin = float("inf")
     if len(elsewhere):
@@ -195,6 +207,20 @@ def _search(cues: Cues, frames: CanonicalFrames) -> tuple[int, Floats]:
     if len(elsewhere):
         judge(elsewhere[np.isinf(scores[elsewhere])], elsewhere)
     return best, scores
+
+
+def _finalists(frames: CanonicalFrames, scores: Floats, best: int) -> list[int]:
+    """Return the best candidate, and the next best that are close to it in score and point elsewhere."""
+    chosen = [best]
+    if scores[best] <= TIE_TOLERANCE:
+        return chosen
+    left = scores <= scores[best] + CLOSE
+    while len(chosen) < FINALISTS:
+        left &= _points_elsewhere(frames.rotations, frames.rotations[chosen[-1]])
+        if not left.any():
+            break
+        chosen.append(int(np.argmin(np.where(left, scores, np.inf))))
+    return chosen
 
 
 def _refined(
