@@ -14,7 +14,7 @@ from graft.objects import Floats, Ints
 HEAT_WIDTH = 0.35
 """Standard deviation, in canonical units (the part's box is 2 wide), of the heat about the contact."""
 
-NEGLIGIBLE = 1e-3
+NEGLIGIBLE = 0.01
 """A target part that received less than this share of the demonstrated part has no heat."""
 
 

@@ -54,6 +54,10 @@ turned as the original's, and the right candidate may be the second best until i
 CLOSEST_POINT_STEPS = 12
 """Most steps of the refinement by nearest points; it stops earlier when one does not lower the score."""
 
+LEAST_GAIN = 1e-3
+"""A step of the refinement that lowers the score by less is the last of its kind: another draw of the samples changes
+the score by ten times as much."""
+
 CHUNK = 8
 """Candidates whose chamfer distances are computed at once."""
 
@@ -106,10 +110,10 @@ def align_parts(
     candidates = _candidates(target, target_part)
     best, scores = _search(cues, candidates)
     finalists = [
-        _refined(cues, target, target_part, candidates.one(row), float(scores[row]))
+        _drawn_closer(cues, target, target_part, candidates.one(row), float(scores[row]))
         for row in _finalists(candidates, scores, best)
     ]
-    winner, score = min(finalists, key=lambda finalist: finalist[1])
+    winner, score = _turned(cues, target, target_part, *min(finalists, key=lambda finalist: finalist[1]))
     elsewhere = scores[_points_elsewhere(candidates.rotations, candidates.rotations[best])]
     margin = float("inf")
     if len(elsewhere):
@@ -223,28 +227,37 @@ def _finalists(frames: CanonicalFrames, scores: Floats, best: int) -> list[int]:
     return chosen
 
 
-def _refined(
+def _drawn_closer(
     cues: Cues, graph: PartGraph, part: int, frame: CanonicalFrame, score: float
 ) -> tuple[CanonicalFrame, float]:
-    """Turn a frame while its score falls: by nearest points, then, for round parts, in halving steps about the axis."""
-    floor = _floor(graph, part)
+    """Turn a frame by iterative closest points while its score falls."""
     for _ in range(CLOSEST_POINT_STEPS):
         if score <= TIE_TOLERANCE:
-            return frame, score
-        turned = CanonicalFrames.fitted(graph.points[part], cues.closest_turn(frame)[None], floor)
-        found = float(cues.scores(turned)[0])
-        if found >= score - TIE_TOLERANCE:
             break
-        frame, score = turned.one(0), found
+        turned = CanonicalFrames.fitted(graph.points[part], cues.closest_turn(frame)[None], _floor(graph, part))
+        found = float(cues.scores(turned)[0])
+        gain = score - found
+        if gain > TIE_TOLERANCE:
+            frame, score = turned.one(0), found
+        if gain < LEAST_GAIN:
+            break
+    return frame, score
+
+
+def _turned(
+    cues: Cues, graph: PartGraph, part: int, frame: CanonicalFrame, score: float
+) -> tuple[CanonicalFrame, float]:
+    """Turn the frame of a round part about its axes, in halving steps, while its score falls."""
     axes = _round_axes(frame.half_extents)
     step = TURN_STEP / 2.0
     while axes and step >= FINEST_STEP and score > TIE_TOLERANCE:
         turns = np.concatenate([turns_about(axis, np.array([step, -step])) for axis in axes])
-        tried = CanonicalFrames.fitted(graph.points[part], frame.rotation @ turns, floor)
+        tried = CanonicalFrames.fitted(graph.points[part], frame.rotation @ turns, _floor(graph, part))
         scores = cues.scores(tried)
         best = int(np.argmin(scores))
-        if scores[best] < score - TIE_TOLERANCE:
+        gain = score - float(scores[best])
+        if gain > TIE_TOLERANCE:
             frame, score = tried.one(best), float(scores[best])
-        else:
+        if gain < LEAST_GAIN:
             step /= 2.0
     return frame, score
