@@ -4,8 +4,9 @@ import trimesh
 from numpy.testing import assert_allclose
 
 from graft import zoo
+from graft._core import chamfer_distances
 from graft.contact.canonical import CanonicalFrame, CanonicalFrames, box_frame, turns_about
-from graft.contact.cues import Cues, View, _chamfer, companion
+from graft.contact.cues import Cues, View, companion
 from graft.graph import build_graph
 from graft.objects import Part, PartObject
 
@@ -25,7 +26,7 @@ def own_cues(graph, index):
 def test_chamfer_is_the_mean_of_the_brute_force_distances():
     rng = np.random.default_rng(0)
     cloud, candidates = rng.normal(size=(7, 3)), rng.normal(size=(4, 9, 3))
-    found = _chamfer(cloud, candidates)
+    found = chamfer_distances(cloud, candidates)
     for distance, other in zip(found, candidates, strict=True):
         table = np.linalg.norm(cloud[:, None] - other[None], axis=2)
         assert distance == pytest.approx((table.min(axis=0).mean() + table.min(axis=1).mean()) / 2)

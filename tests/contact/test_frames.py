@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 from graft import zoo
 from graft.contact.frames import _candidates, _cues, _faced, _search, align_parts
 from graft.graph import build_graph
+from graft.marking import mark_contact
 from graft.objects import Part, PartObject
 
 ROUNDNESS = 0.02
@@ -126,3 +127,26 @@ def test_the_search_finds_the_best_candidate_without_judging_them_all(source, ta
     judged = np.isfinite(scores)
     assert judged.sum() < len(candidates)
     assert_allclose(scores[judged], every[judged], atol=1e-9)
+
+
+def test_the_contact_tells_how_to_turn_what_nothing_else_does():
+    """A stem alone on its axis says nothing of a turn; the bar it goes to has a jar on one side.
+
+    Without the contact, the side of the stem that was taken may face the jar; with it, it never does.
+    """
+    stem = trimesh.creation.cylinder(radius=0.005, height=0.08)
+    foot = moved(trimesh.creation.cylinder(radius=0.03, height=0.005), (0, 0, -0.0425))
+    goblet = PartObject("goblet", (part("stem", stem), part("foot", foot)), up=(0, 0, 1))
+    bar = moved(trimesh.creation.cylinder(radius=0.006, height=0.1), (0.07, 0, 0))
+    vessel = trimesh.creation.cylinder(radius=0.05, height=0.15)
+    jar = PartObject("jar", (part("bar", bar), part("jar", vessel)), up=(0, 0, 1))
+    graphs = build_graph(goblet, descriptor=None), build_graph(jar, descriptor=None)
+    without, given = [], []
+    for angle in np.linspace(0, 2 * np.pi, 12, endpoint=False):
+        place = 0.005 * np.array([np.cos(angle), np.sin(angle), 0.0])
+        contact = mark_contact(goblet, "stem", place).contact
+        for found, argument in ((without, None), (given, contact)):
+            pair = align_parts(graphs[0], 0, graphs[1], 0, np.eye(2) / 2, argument)
+            found.append(float((pair.target.rotation @ pair.source.directions(contact.normal))[0]))
+    assert min(without) < -0.9
+    assert min(given) > -0.75

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from graft._core import chamfer_distances
 from graft.contact.canonical import CanonicalFrame, CanonicalFrames
 from graft.graph import PartGraph
 from graft.objects import Floats
@@ -183,10 +184,10 @@ class Cues:
 
     def dear(self, frames: CanonicalFrames) -> Floats:
         """Return (k,) the score of k target frames by shape and surroundings."""
-        scores = SHAPE_WEIGHT * _chamfer(self.source.cloud, frames.to_canonical(self.target.cloud))
+        scores = SHAPE_WEIGHT * chamfer_distances(self.source.cloud, frames.to_canonical(self.target.cloud))
         if len(self.source.surroundings) and len(self.target.surroundings):
             around = self.target.surroundings @ frames.rotations
-            scores += SURROUNDINGS_WEIGHT * _chamfer(self.source.surroundings, around)
+            scores += SURROUNDINGS_WEIGHT * chamfer_distances(self.source.surroundings, around)
         return scores
 
     def noise(self) -> float:
@@ -195,9 +196,10 @@ class Cues:
         No score below this is evidence: samples that coincide, as those of an object and its copy do, make every
         other frame look worse than it is.
         """
-        noise = SHAPE_WEIGHT * _chamfer(self.source.cloud, self.source.other_cloud[None])
-        if len(self.source.surroundings):
-            noise += SURROUNDINGS_WEIGHT * _chamfer(self.source.surroundings, self.source.other_surroundings[None])
+        source = self.source
+        noise = SHAPE_WEIGHT * chamfer_distances(source.cloud, source.other_cloud[None])
+        if len(source.surroundings):
+            noise += SURROUNDINGS_WEIGHT * chamfer_distances(source.surroundings, source.other_surroundings[None])
         return float(noise[0])
 
     def scores(self, frames: CanonicalFrames) -> Floats:
@@ -250,27 +252,6 @@ def _draws(points: Floats, size: int) -> tuple[Floats, Floats]:
     first = np.arange(min(size, len(points))) * len(points) // min(size, len(points))
     step = max(1, len(points) // size)
     return points[first], points[np.minimum(first + step // 2, len(points) - 1)]
-
-
-def _chamfer(cloud: Floats, candidates: Floats) -> Floats:
-    """Return (k,) the mean nearest distances, both ways, between cloud (a, 3) and each of (k, b, 3)."""
-    there = _nearest(cloud, candidates)
-    back = _nearest(candidates, cloud[None])
-    mean: Floats = (there.mean(axis=1) + back.mean(axis=1)) / 2.0
-    return mean
-
-
-def _nearest(points: Floats, others: Floats) -> Floats:
-    """Return (k, p) the distance of each of points ([k,] p, 3) to the nearest of others (k or 1, o, 3).
-
-    |p - o|^2 = |p|^2 + (|o|^2 - 2 o.p), the bracket in one product; the minimum runs over rows, which numpy does
-    with vector instructions.
-    """
-    squares = np.square(points).sum(axis=-1)
-    heights = np.concatenate([-2.0 * others, np.square(others).sum(axis=-1)[..., None]], axis=-1)
-    lifted = np.concatenate([points, np.ones((*points.shape[:-1], 1))], axis=-1)
-    found: Floats = np.sqrt(np.maximum((heights @ np.swapaxes(lifted, -1, -2)).min(axis=-2) + squares, 0.0))
-    return found
 
 
 def _pairs(cloud: Floats, other: Floats, values: Floats, others: Floats) -> Floats:

@@ -98,9 +98,10 @@ def transfer_contact(match: Match) -> TransferredContact:
     distance = np.square(codes - fourier_encoding(place)).sum(axis=1)
     turned = np.square(frames.target.directions(normals) - facing).sum(axis=1)
     distance += NORMAL_WEIGHT * np.maximum(turned - NORMAL_TOLERANCE, 0.0)
+    running = distance <= distance.min() + OUTLOOK_WEIGHT  # no other can win: the outlooks differ by 1 at most
     demonstrated = View.of(match.source, contact.part).outlook(contact.point[None], contact.normal[None])
-    outlook = View.of(match.target, target_part).outlook(points, normals)
-    distance += OUTLOOK_WEIGHT * np.maximum(outlook - demonstrated, 0.0)
+    outlook = View.of(match.target, target_part).outlook(points[running], normals[running])
+    distance[running] += OUTLOOK_WEIGHT * np.maximum(outlook - demonstrated, 0.0)
     best = int(np.argmin(distance))
 
     rotation = frames.target.rotation @ frames.source.rotation.T
