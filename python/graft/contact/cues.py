@@ -39,7 +39,7 @@ NEIGHBOUR_WEIGHT = 1.0
 UP_WEIGHT = 1.0
 """Weight of (1 - cos) / 2 between the up axes, in [0, 1]."""
 
-OUTLOOK_WEIGHT = 0.5
+OUTLOOK_WEIGHT = 1.0
 """Weight of the difference of the outlooks, each in [0, 1]."""
 
 OUTLOOK = float(np.cos(np.deg2rad(45)))

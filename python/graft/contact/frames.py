@@ -70,9 +70,9 @@ class FramePair:
         source: Frame of the source part.
         target: Frame of the target part: points with equal canonical coordinates correspond.
         score: What the winner scored, lower is better.
-        margin: How much worse the best candidate that points elsewhere scored than the winner before it was refined,
-            or than another draw of the samples would score if that is worse; 0 at least, inf when there is no
-            such candidate. Below `AMBIGUOUS` nothing but chance tells the two apart.
+        margin: How much worse the best candidate that points elsewhere scored than the winner, or than another draw
+            of the samples would score if that is worse; 0 at least, inf when there is no such candidate. Below
+            `AMBIGUOUS` nothing but chance tells the two apart.
     """
 
     source: CanonicalFrame
@@ -109,15 +109,15 @@ def align_parts(
     cues = _cues(source, source_part, target, target_part, frame, plan, contact)
     candidates = _candidates(target, target_part)
     best, scores = _search(cues, candidates)
-    finalists = [
-        _drawn_closer(cues, target, target_part, candidates.one(row), float(scores[row]))
-        for row in _finalists(candidates, scores, best)
-    ]
-    winner, score = _turned(cues, target, target_part, *min(finalists, key=lambda finalist: finalist[1]))
-    elsewhere = scores[_points_elsewhere(candidates.rotations, candidates.rotations[best])]
+    drawn = {}
+    for row in _finalists(candidates, scores, best):
+        drawn[row], scores[row] = _drawn_closer(cues, target, target_part, candidates.one(row), float(scores[row]))
+    best = min(drawn, key=lambda row: float(scores[row]))
     margin = float("inf")
+    elsewhere = scores[_points_elsewhere(candidates.rotations, candidates.rotations[best])]
     if len(elsewhere):
         margin = max(0.0, float(elsewhere.min()) - max(float(scores[best]), cues.noise()))
+    winner, score = _turned(cues, target, target_part, drawn[best], float(scores[best]))
     return FramePair(frame, winner, score, margin)
 
 
