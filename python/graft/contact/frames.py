@@ -39,7 +39,8 @@ TIE_TOLERANCE = 1e-9
 """Scores closer than this are equal; the earlier candidate wins."""
 
 AMBIGUOUS = 0.02
-"""A margin below this is within what another draw of the surface samples does to a score."""
+"""A margin below this is within what another draw of the surface samples does to a score: up to .0175 for a plain block
+in six draws, while the least margin of a mug's, a jug's or a pan's parts is .04."""
 
 ELSEWHERE = float(np.cos(np.deg2rad(45)))
 """Frames that differ by a turn whose cosine is below this point elsewhere; they set the margin."""
@@ -56,7 +57,7 @@ CLOSEST_POINT_STEPS = 12
 
 LEAST_GAIN = 1e-3
 """A step of the refinement that lowers the score by less is the last of its kind: another draw of the samples changes
-the score by ten times as much."""
+the score by more."""
 
 CHUNK = 8
 """Candidates whose chamfer distances are computed at once."""
