@@ -7,6 +7,7 @@ __all__ = [
     "__version__",
     "box_gaps",
     "cast_rays",
+    "chamfer_distances",
     "convex_hull",
     "describe_parts",
     "descriptor_dim",
@@ -24,6 +25,7 @@ __version__: str
 
 # geometry
 
+def chamfer_distances(cloud: NDArray[np.float64], candidates: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def part_geometry(
     vertices: NDArray[np.float64],
     normals: NDArray[np.float64],

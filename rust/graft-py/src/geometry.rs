@@ -195,3 +195,23 @@ pub fn convex_hull<'py>(
         Array2::from_shape_fn((hull.faces.len(), 3), |(i, k)| i64::from(hull.faces[i][k])).into_pyarray(py),
     ))
 }
+
+/// Half the sum of the mean nearest distances between `cloud` (a, 3) and each of `candidates` (k, b, 3), both ways: (k,).
+#[pyfunction]
+pub fn chamfer_distances<'py>(
+    py: Python<'py>,
+    cloud: PyReadonlyArray2<'py, f64>,
+    candidates: PyReadonlyArray3<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let from = finite("cloud", &cloud)?;
+    let to = finite("candidates", &candidates)?;
+    let (rows, width) = cloud.as_array().dim();
+    if rows == 0 || width != 3 {
+        return Err(to_py(&Error::shape("cloud", "shape (a, 3), a > 0", format!("({rows}, {width})"))));
+    }
+    let (k, b, width) = candidates.as_array().dim();
+    if b == 0 || width != 3 {
+        return Err(to_py(&Error::shape("candidates", "shape (k, b, 3), b > 0", format!("({k}, {b}, {width})"))));
+    }
+    Ok(py.detach(|| geometry::chamfer(from, to, b)).into_pyarray(py))
+}

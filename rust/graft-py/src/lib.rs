@@ -22,7 +22,7 @@ mod _core {
     #[pymodule_export]
     use super::transport::{feature_costs, ufgw_batch};
     #[pymodule_export]
-    use crate::geometry::{convex_hull, oriented_box, part_geometry};
+    use crate::geometry::{chamfer_distances, convex_hull, oriented_box, part_geometry};
     #[pymodule_export]
     use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops, part_relations};
 }

@@ -1,6 +1,7 @@
 //! Boxes, hulls, sampling: everything about one mesh or point set.
 
 pub mod affine;
+pub mod chamfer;
 pub mod frame;
 pub mod gap;
 pub mod hull;
@@ -11,6 +12,7 @@ pub mod rectangle;
 pub mod search;
 pub mod surface;
 
+pub use chamfer::chamfer;
 pub use frame::Frame;
 pub use gap::box_gap;
 pub use hull::{Hull, convex_hull};
