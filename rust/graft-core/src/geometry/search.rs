@@ -11,6 +11,9 @@ const SEEN: f64 = 1e-9;
 /// A silhouette that misses an extreme corner by more than this share of the extent went around the wrong loop.
 const LOOP_TOLERANCE: f64 = 1e-6;
 
+/// A face lower than this share of its longest side has a normal made of rounding errors.
+const SLIVER: f64 = 1e-7;
+
 /// A candidate: the volume of a box and its axes, right-handed.
 #[derive(Debug, Clone, Copy)]
 pub struct Candidate {
@@ -26,7 +29,7 @@ pub struct Polyhedron {
     pub vertices: Vec<Vec3>,
     /// Triangles.
     pub faces: Vec<[u32; 3]>,
-    /// Outward unit normals, those of slivers being zero.
+    /// Outward unit normals; slivers have that of the face along their longest side.
     pub normals: Vec<Vec3>,
     /// Face areas.
     areas: Vec<f64>,
@@ -46,6 +49,8 @@ pub struct Workspace {
     polygon: Vec<Vec2>,
     /// Where the last searches for extreme corners ended, by direction.
     feet: [usize; 6],
+    /// The same for the checks of outlines.
+    reaches: [usize; 8],
 }
 
 /// Return how far `points` reach along a direction.
@@ -83,9 +88,19 @@ impl Polyhedron {
                 (b - a).cross(&(c - a))
             })
             .collect();
-        let normals = area_vectors.iter().map(|a| a.try_normalize(1e-300).unwrap_or_default()).collect();
+        let mut normals: Vec<Vec3> = area_vectors.iter().map(|a| a.try_normalize(1e-300).unwrap_or_default()).collect();
         let areas = area_vectors.iter().map(|a| a.norm() / 2.0).collect();
         let (across, closed) = neighbours(&faces);
+        if closed {
+            for (f, corners) in faces.iter().enumerate() {
+                let side = |k: usize| vertices[corners[(k + 1) % 3] as usize] - vertices[corners[k] as usize];
+                let longest =
+                    (1..3).fold(0, |l, k| if side(k).norm_squared() > side(l).norm_squared() { k } else { l });
+                if area_vectors[f].norm() < SLIVER * side(longest).norm_squared() {
+                    normals[f] = normals[across[3 * f + longest] as usize / 3];
+                }
+            }
+        }
         let (ring, ring_start) = rings(&faces, vertices.len());
         Self { vertices, faces, normals, areas, ring, ring_start, across, closed }
     }
@@ -171,9 +186,15 @@ impl Polyhedron {
     fn walk_silhouette(&self, normal: &Vec3, u: &Vec3, v: &Vec3, work: &mut Workspace) -> bool {
         let seen = |edge: usize| self.normals[edge / 3].dot(normal) > SEEN;
         let across = |edge: usize| self.across[edge] as usize;
-        let [.., mut left, mut right] = work.feet;
-        let width = self.reach(u, &mut left, &mut right);
-        [work.feet[4], work.feet[5]] = [left, right];
+        // The outline's extreme corners in eight directions.
+        let directions = [*u, *v, u + v, u - v];
+        let mut widths = [0.0; 4];
+        for (k, direction) in directions.iter().enumerate() {
+            let [mut left, mut right] = [work.reaches[2 * k], work.reaches[2 * k + 1]];
+            widths[k] = self.reach(direction, &mut left, &mut right);
+            [work.reaches[2 * k], work.reaches[2 * k + 1]] = [left, right];
+        }
+        let right = work.reaches[1];
         let leaving = |&(_, edge): &(u32, u32)| seen(edge as usize) && !seen(across(edge as usize));
         let Some(&(_, start)) = self.ring_of(right).iter().find(|e| leaving(e)) else { return false };
         let start = start as usize;
@@ -194,10 +215,14 @@ impl Polyhedron {
                 }
             }
             if edge == start {
-                let found = work.outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64), |f, p| {
-                    (f.0.min(p.x), f.1.max(p.x), f.2.min(p.y), f.3.max(p.y))
-                });
-                let whole = found.1 - found.0 >= width * (1.0 - LOOP_TOLERANCE);
+                let whole = [Vec2::x(), Vec2::y(), Vec2::new(1.0, 1.0), Vec2::new(1.0, -1.0)].iter().zip(widths).all(
+                    |(direction, width)| {
+                        let along = work.outline.iter().map(|p| p.dot(direction));
+                        let (low, high) =
+                            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                        high - low >= width * (1.0 - LOOP_TOLERANCE)
+                    },
+                );
                 return whole && convex_loop(&mut work.outline, &mut work.polygon);
             }
         }
