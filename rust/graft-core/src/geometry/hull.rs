@@ -4,9 +4,10 @@ use super::Vec3;
 use super::affine::{Span, span};
 use super::quickhull::quickhull;
 
-/// Shifts, as shares of the set's size, with which the hull is sought in turn. Rounding can contradict itself where many
-/// points lie on one plane; shifted points do not, and the shift is below what any box is compared to.
-const SHIFTS: [f64; 3] = [0.0, 1e-11, 1e-9];
+/// Ways in which the hull is sought in turn: whether points see the faces in whose planes they lie, and by which share of
+/// the set's size the points are shifted first. Rounding can contradict itself where many points lie on one plane; shifted
+/// points do not, and the shift is below what any box is compared to.
+const ATTEMPTS: [(bool, f64); 5] = [(true, 0.0), (false, 0.0), (true, 1e-11), (false, 1e-11), (false, 1e-9)];
 
 /// A convex polyhedron with triangular faces, wound outward.
 #[derive(Debug, Clone, Default)]
@@ -57,8 +58,8 @@ pub fn hull_in(points: &[Vec3], span: &Span) -> Hull {
                 Vec3::from([0, 1, 2].map(|k| d.dot(&span.axes[k]) / span.reach[k]))
             })
             .collect();
-        for shift in SHIFTS {
-            if let Some(faces) = quickhull(&shifted(&stretched, shift), span.corners) {
+        for (coplanar, shift) in ATTEMPTS {
+            if let Some(faces) = quickhull(&shifted(&stretched, shift), span.corners, coplanar) {
                 return compact(points, faces);
             }
         }

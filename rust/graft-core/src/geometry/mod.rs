@@ -4,6 +4,7 @@ pub mod affine;
 pub mod frame;
 pub mod gap;
 pub mod hull;
+pub mod moments;
 pub mod obb;
 pub mod part;
 mod quickhull;

@@ -10,7 +10,8 @@ use std::collections::HashSet;
 
 use super::Vec3;
 use super::affine::{any_normal, span};
-use super::hull::hull_in;
+use super::hull::{Hull, hull_in};
+use super::moments;
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
 use super::search::{Candidate, Coarse, Polyhedron, Workspace};
 
@@ -24,7 +25,10 @@ const SAME_NORMAL: f64 = 1e-9;
 const LONG_EDGES: usize = 32;
 
 /// How many of the best candidates are turned further.
-const REFINED: usize = 3;
+const REFINED: usize = 8;
+
+/// Candidates larger than the smallest by more than this do not become it by turning: measured.
+const SLACK: f64 = 1.1;
 
 /// A turn counts when it makes the box smaller by more than this share; less is rounding.
 const SMALLER: f64 = 1e-10;
@@ -123,7 +127,7 @@ pub fn minimal_box(points: &[Vec3]) -> Boxed {
             let y = any_normal(&found.axes[0]);
             [found.axes[0], y, found.axes[0].cross(&y)]
         }
-        3 if !hull.faces.is_empty() => solid_axes(&Polyhedron::new(hull)),
+        3 if !hull.faces.is_empty() => posed_axes(hull),
         // A plane, or a solid so thin that quickhull gave up.
         _ => planar_axes(points, found.axes),
     };
@@ -134,7 +138,7 @@ fn planar_axes(points: &[Vec3], [u, v, normal]: [Vec3; 3]) -> [Vec3; 3] {
     let mut flat: Vec<Vec2> = points.iter().map(|p| Vec2::new(p.dot(&u), p.dot(&v))).collect();
     let mut polygon = Vec::new();
     planar_hull(&mut flat, &mut polygon);
-    let side = minimal_rectangle(&polygon).map_or(Vec2::x(), |r| r.side);
+    let side = minimal_rectangle(&mut polygon).map_or(Vec2::x(), |r| r.side);
     let x = u * side.x + v * side.y;
     [x, normal.cross(&x), normal]
 }
@@ -171,6 +175,11 @@ impl Best {
         self.0.first().map_or(f64::INFINITY, |c| c.volume)
     }
 
+    /// What a candidate must be smaller than to get in.
+    fn bar(&self) -> f64 {
+        if self.0.len() < REFINED { f64::INFINITY } else { self.0[REFINED - 1].volume.min(self.smallest() * SLACK) }
+    }
+
     fn insert(&mut self, candidate: Candidate) {
         let place = self.0.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
         // A box is found again by way of each of its axes; equal volumes are taken for equal boxes.
@@ -180,6 +189,13 @@ impl Best {
             self.0.truncate(REFINED);
         }
     }
+}
+
+/// Search in the frame of the hull's own moments: a rotated copy is searched in the same way.
+fn posed_axes(hull: Hull) -> [Vec3; 3] {
+    let pose = moments::pose(&hull.vertices, &hull.faces);
+    let vertices = hull.vertices.iter().map(|v| pose.tr_mul(v)).collect();
+    solid_axes(&Polyhedron::new(Hull { vertices, faces: hull.faces })).map(|axis| pose * axis)
 }
 
 fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
@@ -193,10 +209,10 @@ fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
         let mut queue: Vec<(f64, Vec3)> = normals.iter().map(|n| (bound(n), *n)).collect();
         queue.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (bound, normal) in queue {
-            if bound >= best.smallest() {
+            if bound >= best.bar() {
                 break;
             }
-            if rough.as_ref().is_some_and(|c| c.bound(&normal, &mut rough_work) >= best.smallest()) {
+            if rough.as_ref().is_some_and(|c| c.bound(&normal, &mut rough_work) >= best.bar()) {
                 continue;
             }
             if let Some(candidate) = hull.best_about(&normal, &mut work) {

@@ -49,13 +49,13 @@ impl Face {
         self.normal.dot(p) - self.offset
     }
 
-    /// Whether a point is above the face or in its plane.
-    fn seen_from(&self, points: &[Vec3], p: &Vec3) -> bool {
+    /// Whether a point is above the face or, where that counts, in its plane.
+    fn seen_from(&self, points: &[Vec3], p: &Vec3, coplanar: bool) -> bool {
         let height = self.height(p);
         if height.abs() > self.doubt {
             return height > 0.0;
         }
-        self.doubt <= IN_PLANE || self.side(points, p) >= 0.0
+        if coplanar { self.doubt <= IN_PLANE || self.side(points, p) >= 0.0 } else { self.side(points, p) > 0.0 }
     }
 
     /// Positive above the face, negative below, 0 in its plane, exactly.
@@ -100,9 +100,10 @@ fn face(points: &[Vec3], corners: [u32; 3]) -> Face {
 
 /// Return the outward triangles of the hull, starting from the tetrahedron of four of the points.
 ///
-/// None when rounding led to a surface that is not closed or not convex.
+/// With `coplanar`, a point sees the faces in whose planes it lies, which leaves fewer and better faces but can give a
+/// horizon that touches itself. None when the surface is not closed or not convex.
 #[must_use]
-pub fn quickhull(points: &[Vec3], tetrahedron: [usize; 4]) -> Option<Vec<[u32; 3]>> {
+pub fn quickhull(points: &[Vec3], tetrahedron: [usize; 4], coplanar: bool) -> Option<Vec<[u32; 3]>> {
     let mut faces = first_faces(points, tetrahedron)?;
     for (i, p) in points.iter().enumerate() {
         assign(points, &mut faces, 0, i as u32, p);
@@ -131,7 +132,7 @@ pub fn quickhull(points: &[Vec3], tetrahedron: [usize; 4]) -> Option<Vec<[u32; 3
             for k in 0..3 {
                 let other = faces[here as usize].across[k];
                 let beyond = &mut faces[other as usize];
-                if beyond.visited != step && beyond.seen_from(points, &place) {
+                if beyond.visited != step && beyond.seen_from(points, &place, coplanar) {
                     beyond.visited = step;
                     visible.push(other);
                 }

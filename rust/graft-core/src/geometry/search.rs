@@ -92,12 +92,21 @@ impl Polyhedron {
         let areas = area_vectors.iter().map(|a| a.norm() / 2.0).collect();
         let (across, closed) = neighbours(&faces);
         if closed {
-            for (f, corners) in faces.iter().enumerate() {
-                let side = |k: usize| vertices[corners[(k + 1) % 3] as usize] - vertices[corners[k] as usize];
-                let longest =
-                    (1..3).fold(0, |l, k| if side(k).norm_squared() > side(l).norm_squared() { k } else { l });
-                if area_vectors[f].norm() < SLIVER * side(longest).norm_squared() {
-                    normals[f] = normals[across[3 * f + longest] as usize / 3];
+            let sides = |f: usize| [0, 1, 2].map(|k| vertices[faces[f][(k + 1) % 3] as usize] - vertices[faces[f][k] as usize]);
+            let longest = |f: usize| {
+                let sides = sides(f).map(|s| s.norm_squared());
+                (0..3).fold(0, |l, k| if sides[k] > sides[l] { k } else { l })
+            };
+            let sliver = |f: usize| area_vectors[f].norm() < SLIVER * sides(f)[longest(f)].norm_squared();
+            for f in (0..faces.len()).filter(|&f| sliver(f)) {
+                let mut wide = f;
+                // Slivers may lie side by side; a ring of nothing else is not a solid.
+                for _ in 0..faces.len() {
+                    wide = across[3 * wide + longest(wide)] as usize / 3;
+                    if !sliver(wide) {
+                        normals[f] = normals[wide];
+                        break;
+                    }
                 }
             }
         }
@@ -172,7 +181,7 @@ impl Polyhedron {
             work.outline.extend(self.vertices.iter().map(|p| Vec2::new(p.dot(&u), p.dot(&v))));
             planar_hull(&mut work.outline, &mut work.polygon);
         }
-        let found = minimal_rectangle(&work.polygon)?;
+        let found = minimal_rectangle(&mut work.polygon)?;
         let x = u * found.side.x + v * found.side.y;
         let axes = [x, normal.cross(&x), *normal];
         // Where rounding led the calipers astray, their rectangle is too small; what the box needs decides.
@@ -279,6 +288,8 @@ fn neighbours(faces: &[[u32; 3]]) -> (Vec<u32>, bool) {
 }
 
 /// Copy an almost convex counter-clockwise loop without the corners at which it fails to turn left.
+///
+/// A loop that turns back on itself, as around slivers, has its hull taken instead.
 fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
     polygon.clear();
     if outline.len() < 3 {
@@ -299,6 +310,13 @@ fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
         polygon.push(p);
     }
     polygon.pop();
+    // A chain that turns left everywhere is convex if it goes right once and then left once.
+    let rightmost = polygon.iter().enumerate().fold(0, |r, (i, p)| if p.x > polygon[r].x { i } else { r });
+    let convex = polygon[..=rightmost].is_sorted_by(|a, b| a.x <= b.x)
+        && polygon[rightmost..].is_sorted_by(|a, b| a.x >= b.x);
+    if !convex {
+        planar_hull(outline, polygon);
+    }
     polygon.len() >= 3
 }
 
