@@ -24,8 +24,9 @@ const SAME_NORMAL: f64 = 1e-9;
 /// The common normals of this many longest edges are candidates.
 const LONG_EDGES: usize = 32;
 
-/// How many of the best candidates are turned further.
-const REFINED: usize = 8;
+/// How many of the best candidates are turned to the nearest minimum, and how many of those as far as it goes.
+const STARTS: usize = 8;
+const FINISHED: usize = 3;
 
 /// Candidates larger than the smallest by more than this do not become it by turning: measured.
 const SLACK: f64 = 1.1;
@@ -33,11 +34,11 @@ const SLACK: f64 = 1.1;
 /// A turn counts when it makes the box smaller by more than this share; less is rounding.
 const SMALLER: f64 = 1e-10;
 
-/// Directions whose extreme points make the coarse polyhedron, which bounds volumes to a few per cent from below; more of
-/// them for hulls whose boxes take longer.
-const COARSE_DIRECTIONS: [usize; 2] = [32, 128];
+/// Directions whose extreme points make the polyhedron that bounds volumes to a few per cent from below.
+const ROUGH_DIRECTIONS: usize = 32;
 
-/// Corners of a large hull.
+/// The same for the polyhedron whose boxes are sought first in place of those of a large hull, of more corners than this.
+const INNER_DIRECTIONS: usize = 128;
 const LARGE: usize = 400;
 
 /// Up to this many candidates are all tried; of more, one in every cell first.
@@ -46,11 +47,13 @@ const ALL_CANDIDATES: usize = 400;
 /// Size of a cell of directions, radians. The free turning reaches farther.
 const CELL: f64 = 0.1;
 
-/// Around the axes of the best box that the cells gave, all candidates of a large hull within this many radians are tried.
+/// Around the axes of the best box, all face normals of a large hull within this many radians are tried.
 const NEAR: f64 = 0.03;
 
-/// First and last step of the free turning, radians.
-const STEPS: (f64, f64) = (0.2, 1e-6);
+/// Steps of the free turning, radians: the first, the last while there are many boxes to turn, the last.
+const STEP: f64 = 0.2;
+const ROUGH_STEP: f64 = 0.01;
+const LAST_STEP: f64 = 1e-6;
 
 /// What a step that finds nothing is shortened by.
 const SHRINK: f64 = 0.35;
@@ -145,7 +148,7 @@ fn planar_axes(points: &[Vec3], [u, v, normal]: [Vec3; 3]) -> [Vec3; 3] {
 
 /// Directions that can be an axis of the minimal box, each once up to its sign.
 fn candidate_normals(hull: &Polyhedron) -> Vec<Vec3> {
-    let mut normals: Vec<Vec3> = hull.normals.iter().filter(|n| n.norm_squared() > 0.5).map(upper).collect();
+    let mut normals = face_normals(hull);
     let mut edges: Vec<Vec3> = hull.edges().map(|(a, b)| hull.vertices[b] - hull.vertices[a]).collect();
     edges.sort_by(|a, b| b.norm_squared().total_cmp(&a.norm_squared()));
     edges.truncate(LONG_EDGES);
@@ -162,31 +165,40 @@ fn candidate_normals(hull: &Polyhedron) -> Vec<Vec3> {
     normals
 }
 
+/// The normals of the faces, up to their signs.
+fn face_normals(hull: &Polyhedron) -> Vec<Vec3> {
+    hull.normals.iter().filter(|n| n.norm_squared() > 0.5).map(upper).collect()
+}
+
 /// Of a direction and its opposite, the one in the upper half space.
 fn upper(n: &Vec3) -> Vec3 {
     if (n.z, n.y, n.x) < (0.0, 0.0, 0.0) { -n } else { *n }
 }
 
 /// The best few boxes found so far, each once, in the order of their volumes.
-struct Best(Vec<Candidate>);
+struct Best {
+    found: Vec<Candidate>,
+    capacity: usize,
+}
 
 impl Best {
     fn smallest(&self) -> f64 {
-        self.0.first().map_or(f64::INFINITY, |c| c.volume)
+        self.found.first().map_or(f64::INFINITY, |c| c.volume)
     }
 
     /// What a candidate must be smaller than to get in.
     fn bar(&self) -> f64 {
-        if self.0.len() < REFINED { f64::INFINITY } else { self.0[REFINED - 1].volume.min(self.smallest() * SLACK) }
+        if self.found.len() < self.capacity { f64::INFINITY } else { self.found[self.capacity - 1].volume }
+            .min(self.smallest() * SLACK)
     }
 
     fn insert(&mut self, candidate: Candidate) {
-        let place = self.0.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
+        let place = self.found.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
         // A box is found again by way of each of its axes; equal volumes are taken for equal boxes.
-        let known = place > 0 && self.0[place - 1].volume >= candidate.volume * (1.0 - VOLUME_TIE);
-        if place < REFINED && !known {
-            self.0.insert(place, candidate);
-            self.0.truncate(REFINED);
+        let known = place > 0 && self.found[place - 1].volume >= candidate.volume * (1.0 - VOLUME_TIE);
+        if place < self.capacity && !known {
+            self.found.insert(place, candidate);
+            self.found.truncate(self.capacity);
         }
     }
 }
@@ -195,57 +207,97 @@ impl Best {
 fn posed_axes(hull: Hull) -> [Vec3; 3] {
     let pose = moments::pose(&hull.vertices, &hull.faces);
     let vertices = hull.vertices.iter().map(|v| pose.tr_mul(v)).collect();
-    solid_axes(&Polyhedron::new(Hull { vertices, faces: hull.faces })).map(|axis| pose * axis)
+    let posed = Polyhedron::new(Hull { vertices, faces: hull.faces });
+    solid_axes(&posed).map_or([Vec3::x(), Vec3::y(), Vec3::z()], |w| w.axes).map(|axis| pose * axis)
 }
 
-fn solid_axes(hull: &Polyhedron) -> [Vec3; 3] {
+fn solid_axes(hull: &Polyhedron) -> Option<Candidate> {
     let mut work = Workspace::default();
-    let mut rough_work = Workspace::default();
-    let large = hull.vertices.len() > LARGE;
-    let rough = Coarse::new(hull, COARSE_DIRECTIONS[usize::from(large)]);
-    let mut best = Best(Vec::with_capacity(REFINED + 1));
-    let mut evaluate = |normals: Vec<Vec3>, best: &mut Best| {
-        let bound = |n: &Vec3| rough.as_ref().map_or(0.0, |c| c.quick_bound(n));
-        let mut queue: Vec<(f64, Vec3)> = normals.iter().map(|n| (bound(n), *n)).collect();
-        queue.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (bound, normal) in queue {
-            if bound >= best.bar() {
-                break;
-            }
-            if rough.as_ref().is_some_and(|c| c.bound(&normal, &mut rough_work) >= best.bar()) {
-                continue;
-            }
-            if let Some(candidate) = hull.best_about(&normal, &mut work) {
-                best.insert(candidate);
-            }
+    let inner = if hull.vertices.len() > LARGE { Coarse::new(hull, INNER_DIRECTIONS) } else { None };
+    let mut best = Best { found: Vec::new(), capacity: 1 };
+    let Some(inner) = inner else {
+        let rough = Coarse::new(hull, ROUGH_DIRECTIONS);
+        let (mut starts, rest) = starts(hull, rough.as_ref());
+        starts.found.iter_mut().for_each(|start| *start = turned(hull, *start, STEP, ROUGH_STEP, &mut work));
+        starts.found.sort_by(|a, b| a.volume.total_cmp(&b.volume));
+        for start in starts.found.iter().take(FINISHED) {
+            best.insert(turned(hull, *start, ROUGH_STEP, LAST_STEP, &mut work));
         }
+        descend(hull, rough.as_ref(), rest, &mut best);
+        return best.found.first().copied();
     };
-    // First one normal of every cell, then the others: of a large hull those in the neighbourhood of the best box's
-    // axes, of any other hull all that the bounds leave.
+    // The inner polyhedron's boxes are near the hull's.
+    let rough = Coarse::new(inner.shape(), ROUGH_DIRECTIONS);
+    let (starts, _) = starts(inner.shape(), rough.as_ref());
+    let mut near = Best { found: Vec::new(), capacity: STARTS };
+    for start in starts.found {
+        near.insert(turned(inner.shape(), start, STEP, ROUGH_STEP, &mut work));
+    }
+    work = Workspace::default();
+    for start in near.found.iter().take(FINISHED) {
+        let volume = hull.box_volume(&start.axes, &mut work);
+        best.insert(turned(hull, Candidate { volume, ..*start }, ROUGH_STEP * 2.0, LAST_STEP, &mut work));
+    }
+    let found = *best.found.first()?;
+    let mut faces = face_normals(hull);
+    faces.retain(|n| found.axes.iter().any(|a| a.dot(n).abs() > 1.0 - NEAR * NEAR / 2.0));
+    descend(hull, Some(&inner), faces, &mut best);
+    best.found.first().copied()
+}
+
+/// The best boxes about one candidate normal of every cell of directions, and the candidates that were not tried.
+fn starts(hull: &Polyhedron, rough: Option<&Coarse>) -> (Best, Vec<Vec3>) {
     let normals = candidate_normals(hull);
     let thin = normals.len() > ALL_CANDIDATES;
     let mut taken = HashSet::new();
-    let (first, mut rest): (Vec<Vec3>, Vec<Vec3>) =
+    let (first, rest): (Vec<Vec3>, Vec<Vec3>) =
         normals.into_iter().partition(|n| !thin || taken.insert(n.map(|c| (c / CELL).round() as i32)));
-    evaluate(first, &mut best);
-    if let Some(found) = best.0.first().copied() {
-        if large {
-            rest.retain(|n| found.axes.iter().any(|a| a.dot(n).abs() > 1.0 - NEAR * NEAR / 2.0));
-        } else {
-            // Turned as far as it goes, the best box rules out most of the rest.
-            let mut turning = Workspace::default();
-            best.insert(turn_freely(hull, turn_about_axes(hull, found, &mut turning), &mut turning));
+    let mut best = Best { found: Vec::with_capacity(STARTS + 1), capacity: STARTS };
+    let (mut work, mut rough_work) = (Workspace::default(), Workspace::default());
+    for (bound, normal) in queue(rough, first) {
+        if bound >= best.bar() {
+            break;
         }
-        evaluate(rest, &mut best);
-    }
-    let mut winner: Option<Candidate> = None;
-    for candidate in best.0 {
-        let turned = turn_freely(hull, turn_about_axes(hull, candidate, &mut work), &mut work);
-        if winner.is_none_or(|w| turned.volume < w.volume * (1.0 - VOLUME_TIE)) {
-            winner = Some(turned);
+        if rough.is_some_and(|c| c.bound(&normal, &mut rough_work) >= best.bar()) {
+            continue;
+        }
+        if let Some(candidate) = hull.best_about(&normal, &mut work) {
+            best.insert(candidate);
         }
     }
-    winner.map_or([Vec3::x(), Vec3::y(), Vec3::z()], |w| w.axes)
+    (best, rest)
+}
+
+/// Try all normals that can still give a smaller box; turn each box that is.
+fn descend(hull: &Polyhedron, rough: Option<&Coarse>, normals: Vec<Vec3>, best: &mut Best) {
+    let (mut work, mut rough_work) = (Workspace::default(), Workspace::default());
+    for (bound, normal) in queue(rough, normals) {
+        let bar = best.smallest() * (1.0 - SMALLER);
+        if bound >= bar {
+            break;
+        }
+        if rough.is_some_and(|c| c.bound(&normal, &mut rough_work) >= bar) {
+            continue;
+        }
+        if let Some(candidate) = hull.best_about(&normal, &mut work)
+            && candidate.volume < bar
+        {
+            best.insert(turned(hull, candidate, ROUGH_STEP, LAST_STEP, &mut work));
+        }
+    }
+}
+
+/// Order normals by a lower bound of their boxes' volumes.
+fn queue(rough: Option<&Coarse>, normals: Vec<Vec3>) -> Vec<(f64, Vec3)> {
+    let mut queue: Vec<(f64, Vec3)> =
+        normals.into_iter().map(|n| (rough.map_or(0.0, |c| c.quick_bound(&n)), n)).collect();
+    queue.sort_by(|a, b| a.0.total_cmp(&b.0));
+    queue
+}
+
+/// Turn a box to the nearest local minimum, to within `last` radians.
+fn turned(hull: &Polyhedron, start: Candidate, first: f64, last: f64, work: &mut Workspace) -> Candidate {
+    turn_freely(hull, turn_about_axes(hull, start, work), (first, last), work)
 }
 
 /// Turn a box about one of its axes at a time, as long as it gets smaller.
@@ -268,10 +320,15 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
 
 /// Turn a box by rotation vectors with components in {-1, 0, 1} steps, at most two of them turning; the best of them
 /// is taken, the step is shortened when none is better. The set is the same for every choice of the axes' signs and order.
-fn turn_freely(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) -> Candidate {
-    let mut step = STEPS.0;
+fn turn_freely(
+    hull: &Polyhedron,
+    mut current: Candidate,
+    (first, last): (f64, f64),
+    work: &mut Workspace,
+) -> Candidate {
+    let mut step = first;
     let mut moved = false;
-    while step > STEPS.1 {
+    while step > last {
         let mut improved = current;
         for code in 0..27 {
             let parts = [code % 3, code / 3 % 3, code / 9].map(|c| f64::from(c) - 1.0);

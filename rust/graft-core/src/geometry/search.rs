@@ -351,6 +351,12 @@ impl Coarse {
         (!inner.faces.is_empty()).then(|| Self { shape: Polyhedron::new(inner) })
     }
 
+    /// The polyhedron.
+    #[must_use]
+    pub fn shape(&self) -> &Polyhedron {
+        &self.shape
+    }
+
     /// A number that no box about the hull with `normal` as an axis is smaller than: height times shadow.
     #[must_use]
     pub fn quick_bound(&self, normal: &Vec3) -> f64 {
