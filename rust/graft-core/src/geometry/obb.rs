@@ -24,9 +24,11 @@ const SAME_NORMAL: f64 = 1e-9;
 /// The common normals of this many longest edges are candidates.
 const LONG_EDGES: usize = 32;
 
-/// How many of the best candidates are turned to the nearest minimum, and how many of those as far as it goes.
-const STARTS: usize = 8;
-const FINISHED: usize = 3;
+/// How many of the best candidates are turned to the nearest minimum.
+const STARTS: usize = 6;
+
+/// Boxes larger than the smallest by more than this after rough turning are given up.
+const GIVEN_UP: f64 = 1.02;
 
 /// Candidates larger than the smallest by more than this do not become it by turning: measured.
 const SLACK: f64 = 1.1;
@@ -55,8 +57,15 @@ const STEP: f64 = 0.2;
 const ROUGH_STEP: f64 = 0.01;
 const LAST_STEP: f64 = 1e-6;
 
+/// Edges within this many steps of being flush with the box are brought there, the nearest of them.
+const KINK_REACH: f64 = 3.0;
+const KINKS: usize = 5;
+
+/// Sines below this belong to parallel kinks.
+const PARALLEL: f64 = 1e-3;
+
 /// What a step that finds nothing is shortened by.
-const SHRINK: f64 = 0.35;
+const SHRINK: f64 = 0.2;
 
 /// A box.
 #[derive(Debug, Clone, Copy)]
@@ -217,11 +226,9 @@ fn solid_axes(hull: &Polyhedron) -> Option<Candidate> {
     let mut best = Best { found: Vec::new(), capacity: 1 };
     let Some(inner) = inner else {
         let rough = Coarse::new(hull, ROUGH_DIRECTIONS);
-        let (mut starts, rest) = starts(hull, rough.as_ref());
-        starts.found.iter_mut().for_each(|start| *start = turned(hull, *start, STEP, ROUGH_STEP, &mut work));
-        starts.found.sort_by(|a, b| a.volume.total_cmp(&b.volume));
-        for start in starts.found.iter().take(FINISHED) {
-            best.insert(turned(hull, *start, ROUGH_STEP, LAST_STEP, &mut work));
+        let (starts, rest) = starts(hull, rough.as_ref());
+        for start in roughly_turned(hull, starts, &mut work) {
+            best.insert(turned(hull, start, ROUGH_STEP, LAST_STEP, &mut work));
         }
         descend(hull, rough.as_ref(), rest, &mut best);
         return best.found.first().copied();
@@ -229,20 +236,28 @@ fn solid_axes(hull: &Polyhedron) -> Option<Candidate> {
     // The inner polyhedron's boxes are near the hull's.
     let rough = Coarse::new(inner.shape(), ROUGH_DIRECTIONS);
     let (starts, _) = starts(inner.shape(), rough.as_ref());
-    let mut near = Best { found: Vec::new(), capacity: STARTS };
-    for start in starts.found {
-        near.insert(turned(inner.shape(), start, STEP, ROUGH_STEP, &mut work));
-    }
+    let near = roughly_turned(inner.shape(), starts, &mut work);
     work = Workspace::default();
-    for start in near.found.iter().take(FINISHED) {
+    for start in near {
         let volume = hull.box_volume(&start.axes, &mut work);
-        best.insert(turned(hull, Candidate { volume, ..*start }, ROUGH_STEP * 2.0, LAST_STEP, &mut work));
+        best.insert(turned(hull, Candidate { volume, ..start }, 2.0 * ROUGH_STEP, LAST_STEP, &mut work));
     }
     let found = *best.found.first()?;
     let mut faces = face_normals(hull);
     faces.retain(|n| found.axes.iter().any(|a| a.dot(n).abs() > 1.0 - NEAR * NEAR / 2.0));
     descend(hull, Some(&inner), faces, &mut best);
     best.found.first().copied()
+}
+
+/// The boxes that are near the smallest once all have been turned roughly, each once.
+fn roughly_turned(hull: &Polyhedron, starts: Best, work: &mut Workspace) -> Vec<Candidate> {
+    let mut best = Best { found: Vec::with_capacity(STARTS + 1), capacity: STARTS };
+    for start in starts.found {
+        best.insert(turned(hull, start, STEP, ROUGH_STEP, work));
+    }
+    let bar = best.smallest() * GIVEN_UP;
+    best.found.retain(|c| c.volume <= bar);
+    best.found
 }
 
 /// The best boxes about one candidate normal of every cell of directions, and the candidates that were not tried.
@@ -318,8 +333,8 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
     }
 }
 
-/// Turn a box by rotation vectors with components in {-1, 0, 1} steps, at most two of them turning; the best of them
-/// is taken, the step is shortened when none is better. The set is the same for every choice of the axes' signs and order.
+/// Turn a box by rotation vectors with components in {-1, 0, 1} steps, at most two of them turning, and along the
+/// ridges of the volume; the best of them is taken, the step is shortened when none is better.
 fn turn_freely(
     hull: &Polyhedron,
     mut current: Candidate,
@@ -330,19 +345,23 @@ fn turn_freely(
     let mut moved = false;
     while step > last {
         let mut improved = current;
-        for code in 0..27 {
-            let parts = [code % 3, code / 3 % 3, code / 9].map(|c| f64::from(c) - 1.0);
-            if !(1..=2).contains(&parts.iter().filter(|p| **p != 0.0).count()) {
-                continue;
-            }
-            let [x, y, z] = parts.map(|p| p * step);
-            let turn = current.axes[0] * x + current.axes[1] * y + current.axes[2] * z;
+        let mut attempt = |turn: Vec3, work: &mut Workspace| {
             let rotation = nalgebra::Rotation3::new(turn);
             let axes = current.axes.map(|a| rotation * a);
             let volume = hull.box_volume(&axes, work);
             if volume < improved.volume * (1.0 - SMALLER) {
                 improved = Candidate { volume, axes };
             }
+        };
+        for code in 0..27 {
+            let parts = [code % 3, code / 3 % 3, code / 9].map(|c| f64::from(c) - 1.0);
+            if (1..=2).contains(&parts.iter().filter(|p| **p != 0.0).count()) {
+                let [x, y, z] = parts.map(|p| p * step);
+                attempt(current.axes[0] * x + current.axes[1] * y + current.axes[2] * z, work);
+            }
+        }
+        for turn in ridges(hull, &current, step, work) {
+            attempt(turn, work);
         }
         if improved.volume < current.volume {
             current = improved;
@@ -354,4 +373,48 @@ fn turn_freely(
         }
     }
     current
+}
+
+/// Rotation vectors that bring two or three edges of the hull flush with the box, and on along the ridge.
+///
+/// The volume has a kink where an edge e lies in a box face with normal n, and its minima lie where kinks meet. A small
+/// turn w makes the edge flush when w . (n x e) = -n . e.
+fn ridges(hull: &Polyhedron, current: &Candidate, step: f64, work: &mut Workspace) -> Vec<Vec3> {
+    hull.box_volume(&current.axes, work);
+    let mut kinks: Vec<(f64, Vec3)> = Vec::new();
+    for (foot, k) in work.feet().into_iter().zip([0, 0, 1, 1, 2, 2]) {
+        let normal = current.axes[k];
+        for edge in hull.edges_at(foot) {
+            let edge = edge.normalize();
+            let rise = normal.dot(&edge);
+            if rise.abs() < KINK_REACH * step {
+                kinks.push((-rise, normal.cross(&edge)));
+            }
+        }
+    }
+    kinks.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    kinks.truncate(KINKS);
+    let mut turns = Vec::new();
+    for (i, (rise, row)) in kinks.iter().enumerate() {
+        for (j, (other_rise, other)) in kinks[..i].iter().enumerate() {
+            let along = row.cross(other);
+            let square = along.norm_squared();
+            if square < PARALLEL * PARALLEL {
+                continue;
+            }
+            // The shortest turn that makes both flush (Cramer's rule with `along` as the third row).
+            let both = (other.cross(&along) * *rise + along.cross(row) * *other_rise) / square;
+            let onward = along * (step / square.sqrt());
+            turns.extend([both, both + onward, both - onward]);
+            for (third_rise, third) in &kinks[..j] {
+                let slope = along.dot(third);
+                if slope.abs() > PARALLEL {
+                    let meet = both + along * ((third_rise - both.dot(third)) / slope);
+                    turns.push(meet);
+                }
+            }
+        }
+    }
+    turns.retain(|turn| turn.norm() < 2.0 * KINK_REACH * step);
+    turns
 }

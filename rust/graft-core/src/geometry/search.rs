@@ -1,7 +1,7 @@
 //! The polyhedron that the search for the minimal box walks on: neighbours across edges, silhouettes, lower bounds.
 
 use super::Vec3;
-use super::hull::{Hull, convex_hull};
+use super::hull::{Hull, convex_hull, neighbours};
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
 
 /// A face is seen when its normal leans towards the viewer by more than this; faces on edge count as unseen together,
@@ -76,6 +76,14 @@ pub fn plane_axes(n: &Vec3) -> (Vec3, Vec3) {
     (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
+impl Workspace {
+    /// The corners on which the box of the last [`Polyhedron::box_volume`] stands: low and high along each axis.
+    #[must_use]
+    pub fn feet(&self) -> [usize; 6] {
+        self.feet
+    }
+}
+
 impl Polyhedron {
     /// Prepare a hull with faces.
     #[must_use]
@@ -92,7 +100,8 @@ impl Polyhedron {
         let areas = area_vectors.iter().map(|a| a.norm() / 2.0).collect();
         let (across, closed) = neighbours(&faces);
         if closed {
-            let sides = |f: usize| [0, 1, 2].map(|k| vertices[faces[f][(k + 1) % 3] as usize] - vertices[faces[f][k] as usize]);
+            let sides =
+                |f: usize| [0, 1, 2].map(|k| vertices[faces[f][(k + 1) % 3] as usize] - vertices[faces[f][k] as usize]);
             let longest = |f: usize| {
                 let sides = sides(f).map(|s| s.norm_squared());
                 (0..3).fold(0, |l, k| if sides[k] > sides[l] { k } else { l })
@@ -151,6 +160,11 @@ impl Polyhedron {
 
     fn ring_of(&self, corner: usize) -> &[(u32, u32)] {
         &self.ring[self.ring_start[corner] as usize..self.ring_start[corner + 1] as usize]
+    }
+
+    /// The edges that start at a corner.
+    pub fn edges_at(&self, corner: usize) -> impl Iterator<Item = Vec3> + '_ {
+        self.ring_of(corner).iter().map(move |&(other, _)| self.vertices[other as usize] - self.vertices[corner])
     }
 
     /// How far the polyhedron reaches along a direction; `low` and `high` are where the search starts and ends.
@@ -264,29 +278,6 @@ fn next_in_face(edge: usize) -> usize {
     if edge % 3 == 2 { edge - 2 } else { edge + 1 }
 }
 
-/// Pair the half-edges of a triangle mesh.
-fn neighbours(faces: &[[u32; 3]]) -> (Vec<u32>, bool) {
-    let mut keyed: Vec<(u64, u32)> = faces
-        .iter()
-        .enumerate()
-        .flat_map(|(f, c)| {
-            (0..3).map(move |k| {
-                let (a, b) = (u64::from(c[k]), u64::from(c[(k + 1) % 3]));
-                ((a.min(b) << 32) | a.max(b), (3 * f + k) as u32)
-            })
-        })
-        .collect();
-    keyed.sort_unstable();
-    let mut across = vec![0; keyed.len()];
-    let mut closed = !faces.is_empty() && keyed.len().is_multiple_of(2);
-    for pair in keyed.chunks_exact(2) {
-        closed &= pair[0].0 == pair[1].0;
-        across[pair[0].1 as usize] = pair[1].1;
-        across[pair[1].1 as usize] = pair[0].1;
-    }
-    (across, closed)
-}
-
 /// Copy an almost convex counter-clockwise loop without the corners at which it fails to turn left.
 ///
 /// A loop that turns back on itself, as around slivers, has its hull taken instead.
@@ -312,8 +303,8 @@ fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
     polygon.pop();
     // A chain that turns left everywhere is convex if it goes right once and then left once.
     let rightmost = polygon.iter().enumerate().fold(0, |r, (i, p)| if p.x > polygon[r].x { i } else { r });
-    let convex = polygon[..=rightmost].is_sorted_by(|a, b| a.x <= b.x)
-        && polygon[rightmost..].is_sorted_by(|a, b| a.x >= b.x);
+    let convex =
+        polygon[..=rightmost].is_sorted_by(|a, b| a.x <= b.x) && polygon[rightmost..].is_sorted_by(|a, b| a.x >= b.x);
     if !convex {
         planar_hull(outline, polygon);
     }
