@@ -32,11 +32,17 @@ pub struct Frame {
 ///
 /// * The axes are sorted by extent, longest first; equal extents by closeness to the object's x, then y, axis.
 /// * The first two axes point to the side of the box's centre on which the part's `centroid` lies; where it lies in the
-///   middle, the axis's component of largest magnitude (the first of equals) is positive.
+///   middle, to the side on which the surface reaches farther (`skewness`, its third moment about a point along an axis);
+///   where that tells nothing, the axis's component of largest magnitude (the first of equals) is positive.
 /// * The third axis makes the frame right-handed.
 /// * Half extents below half the `floor` are raised to it.
 #[must_use]
-pub fn stated_frame(mut bounds: OrientedBox, centroid: &Vec3, floor: f64) -> Frame {
+pub fn stated_frame(
+    mut bounds: OrientedBox,
+    centroid: &Vec3,
+    floor: f64,
+    skewness: impl Fn(&Vec3, &Vec3) -> f64,
+) -> Frame {
     let mut order = [0, 1, 2];
     let equal = |a: f64, b: f64| (a - b).abs() <= EXTENT_EQUAL * a.max(b).max(floor);
     let longer = |a: usize, b: usize| {
@@ -58,8 +64,13 @@ pub fn stated_frame(mut bounds: OrientedBox, centroid: &Vec3, floor: f64) -> Fra
     let mut half_extents = order.map(|k| bounds.half_extents[k]);
     let signed = |k: usize| {
         let offset = (centroid - bounds.center).dot(&axes[k]);
-        let positive = if offset.abs() > SIGN_FLOOR * half_extents[k].max(floor) {
+        let size = half_extents[k].max(floor);
+        let positive = if offset.abs() > SIGN_FLOOR * size {
             offset > 0.0
+        } else if let skew = skewness(&bounds.center, &axes[k])
+            && skew.abs() > SIGN_FLOOR * size.powi(3)
+        {
+            skew > 0.0
         } else {
             let largest = axes[k].amax();
             axes[k].iter().find(|c| c.abs() > largest - SIGN_FLOOR).is_none_or(|c| *c > 0.0)

@@ -15,7 +15,7 @@ pub mod surface;
 pub use frame::Frame;
 pub use gap::box_gap;
 pub use hull::{Hull, convex_hull};
-pub use obb::{Boxed, OrientedBox, minimal_box};
+pub use obb::{OrientedBox, minimal_box};
 pub use part::{PartGeometry, PartShape, object_geometry};
 
 /// A point or a direction in space.

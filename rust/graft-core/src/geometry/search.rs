@@ -50,7 +50,7 @@ pub struct Workspace {
     /// Where the last searches for extreme corners ended, by direction.
     feet: [usize; 6],
     /// The same for the checks of outlines.
-    reaches: [usize; 8],
+    reaches: [usize; 4],
 }
 
 /// Return how far `points` reach along a direction.
@@ -209,9 +209,9 @@ impl Polyhedron {
     fn walk_silhouette(&self, normal: &Vec3, u: &Vec3, v: &Vec3, work: &mut Workspace) -> bool {
         let seen = |edge: usize| self.normals[edge / 3].dot(normal) > SEEN;
         let across = |edge: usize| self.across[edge] as usize;
-        // The outline's extreme corners in eight directions.
-        let directions = [*u, *v, u + v, u - v];
-        let mut widths = [0.0; 4];
+        // The outline's extreme corners in four directions.
+        let directions = [*u, *v];
+        let mut widths = [0.0; 2];
         for (k, direction) in directions.iter().enumerate() {
             let [mut left, mut right] = [work.reaches[2 * k], work.reaches[2 * k + 1]];
             widths[k] = self.reach(direction, &mut left, &mut right);
@@ -238,14 +238,11 @@ impl Polyhedron {
                 }
             }
             if edge == start {
-                let whole = [Vec2::x(), Vec2::y(), Vec2::new(1.0, 1.0), Vec2::new(1.0, -1.0)].iter().zip(widths).all(
-                    |(direction, width)| {
-                        let along = work.outline.iter().map(|p| p.dot(direction));
-                        let (low, high) =
-                            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-                        high - low >= width * (1.0 - LOOP_TOLERANCE)
-                    },
-                );
+                let whole = [Vec2::x(), Vec2::y()].iter().zip(widths).all(|(direction, width)| {
+                    let along = work.outline.iter().map(|p| p.dot(direction));
+                    let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                    high - low >= width * (1.0 - LOOP_TOLERANCE)
+                });
                 return whole && convex_loop(&mut work.outline, &mut work.polygon);
             }
         }
