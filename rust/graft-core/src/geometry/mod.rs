@@ -11,6 +11,7 @@ mod quickhull;
 pub mod rectangle;
 pub mod search;
 pub mod surface;
+pub mod ties;
 
 pub use frame::Frame;
 pub use gap::box_gap;

@@ -1,5 +1,6 @@
 //! The geometry of an object's parts, all at once.
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::Vec3;
@@ -9,6 +10,7 @@ use super::hull::{Hull, hull_in};
 use super::moments::skewness;
 use super::obb::{minimal_box, minimal_box_of};
 use super::surface::{Samples, measure, sample_cloud, sample_mesh};
+use super::ties::settled;
 
 /// One part as it comes in.
 #[derive(Debug, Clone)]
@@ -69,19 +71,30 @@ pub fn object_geometry(parts: &[PartShape], samples: usize, seed: u64) -> (Vec<P
     let (whole, measured) = rayon::join(whole, measured);
     let diagonal = whole.or(measured.first().map(|(bounds, _)| *bounds)).map_or(0.0, |bounds| bounds.diagonal());
     let diagonal = if diagonal > 0.0 { diagonal } else { 1.0 };
+    let area: f64 = measured.iter().map(|(_, surface)| surface.area).sum();
+    let share = |surface: &Surface| surface.area / area.max(f64::MIN_POSITIVE);
+    let middle = measured.iter().map(|(_, s)| s.centroid * share(s)).sum::<Vec3>();
+    let spread = measured.iter().map(|(_, s)| {
+        let offset = s.centroid - middle;
+        (s.covariance + offset * offset.transpose()) * share(s)
+    });
+    let spread = spread.sum::<Matrix3<f64>>();
     let measured = measured
         .into_iter()
         .zip(hulls)
         .zip(parts)
-        .map(|(((bounds, surface), (found, hull)), part)| PartGeometry {
-            frame: stated_frame(bounds, &surface.centroid, FLOOR_THICKNESS * diagonal, |origin, axis| {
-                skewness(&part.vertices, &part.faces, |i| i, origin, axis)
-            }),
-            area: surface.area,
-            volume: surface.volume,
-            hull_volume: hull.volume(),
-            degenerate: surface.degenerate || found.dimension < 2,
-            samples: surface.samples,
+        .map(|(((bounds, surface), (found, hull)), part)| {
+            let toward = if area > 0.0 { middle - bounds.center } else { Vec3::zeros() };
+            let bounds = settled(bounds, &hull.vertices, &toward, &spread);
+            let skewness = |origin: &Vec3, axis: &Vec3| skewness(&part.vertices, &part.faces, |i| i, origin, axis);
+            PartGeometry {
+                frame: stated_frame(bounds, &surface.centroid, &toward, FLOOR_THICKNESS * diagonal, skewness),
+                area: surface.area,
+                volume: surface.volume,
+                hull_volume: hull.volume(),
+                degenerate: surface.degenerate || found.dimension < 2,
+                samples: surface.samples,
+            }
         })
         .collect();
     (measured, diagonal)
@@ -98,6 +111,7 @@ struct Surface {
     area: f64,
     volume: f64,
     centroid: Vec3,
+    covariance: Matrix3<f64>,
     degenerate: bool,
     samples: Samples,
 }
@@ -126,10 +140,18 @@ fn surface(part: &PartShape, count: usize, seed: u64, stream: u64) -> Surface {
             area: measured.area,
             volume: measured.volume,
             centroid: measured.centroid,
+            covariance: measured.covariance,
             degenerate: empty,
             samples,
         };
     }
     let (samples, area) = sample_cloud(&part.vertices, &part.normals, count, seed, stream);
-    Surface { area, volume: 0.0, centroid: measured.centroid, degenerate: !part.faces.is_empty(), samples }
+    Surface {
+        area,
+        volume: 0.0,
+        centroid: measured.centroid,
+        covariance: measured.covariance,
+        degenerate: !part.faces.is_empty(),
+        samples,
+    }
 }

@@ -47,7 +47,18 @@ pub fn planar_hull(points: &mut [Vec2], hull: &mut Vec<Vec2>) {
 /// A polygon without an edge (one point) has none. Corners that lie on the one before them are removed.
 #[must_use]
 pub fn minimal_rectangle(polygon: &mut Vec<Vec2>) -> Option<Rectangle> {
-    let start = *polygon.first()?;
+    let mut best: Option<Rectangle> = None;
+    each_rectangle(polygon, |found| {
+        if best.is_none_or(|b| found.area < b.area) {
+            best = Some(found);
+        }
+    });
+    best
+}
+
+/// Visit the rectangles that have a side on an edge of a convex counter-clockwise polygon, in the order of the edges.
+pub fn each_rectangle(polygon: &mut Vec<Vec2>, mut visit: impl FnMut(Rectangle)) {
+    let Some(&start) = polygon.first() else { return };
     let size = polygon.iter().map(|p| (p - start).amax()).fold(0.0, f64::max);
     let same = |a: &Vec2, b: &Vec2| (a - b).amax() <= SHORT_EDGE * size;
     polygon.dedup_by(|next, kept| same(next, kept));
@@ -57,7 +68,7 @@ pub fn minimal_rectangle(polygon: &mut Vec<Vec2>) -> Option<Rectangle> {
     let polygon = &*polygon;
     let n = polygon.len();
     let next = |i: usize| if i + 1 == n { 0 } else { i + 1 };
-    let mut best: Option<Rectangle> = None;
+    let mut placed = false;
     // Feet of the calipers: farthest along the edge, away from it, and against it.
     let (mut right, mut top, mut left) = (0, 0, 0);
     for i in 0..n {
@@ -68,7 +79,7 @@ pub fn minimal_rectangle(polygon: &mut Vec<Vec2>) -> Option<Rectangle> {
         }
         let u = edge / length;
         let v = Vec2::new(-u.y, u.x);
-        if best.is_none() {
+        if !std::mem::replace(&mut placed, true) {
             for (k, p) in polygon.iter().enumerate() {
                 right = if p.dot(&u) > polygon[right].dot(&u) { k } else { right };
                 top = if p.dot(&v) > polygon[top].dot(&v) { k } else { top };
@@ -90,11 +101,8 @@ pub fn minimal_rectangle(polygon: &mut Vec<Vec2>) -> Option<Rectangle> {
         let width = (polygon[right] - polygon[left]).dot(&u);
         let height = (polygon[top] - polygon[i]).dot(&v);
         let area = width * height;
-        if best.is_none_or(|b| area < b.area) {
-            best = Some(Rectangle { area, side: u });
-        }
+        visit(Rectangle { area, side: u });
     }
-    best
 }
 
 #[cfg(test)]
