@@ -15,9 +15,9 @@ const SLABS: usize = 8;
 /// Nodes of the graph in which distances along the part are measured.
 const NODES: usize = 256;
 /// Ends looked from: each the farthest from those before it.
-const ENDS: usize = 6;
+const ENDS: usize = 10;
 /// How much less a nearer end counts: to this power of its reach along the surface.
-const SHARPNESS: i32 = 12;
+const SHARPNESS: i32 = 8;
 /// Lengths below this share of the part's size are treated as it.
 const SMALL: f64 = 1e-3;
 
