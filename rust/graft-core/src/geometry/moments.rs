@@ -52,8 +52,11 @@ pub fn principal(covariance: &Matrix3<f64>) -> (Matrix3<f64>, [f64; 3]) {
     let eigen = covariance.symmetric_eigen();
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-    let axes = order.map(|i| eigen.eigenvectors.column(i).into_owned());
-    (Matrix3::from_columns(&axes), order.map(|i| eigen.eigenvalues[i].max(0.0)))
+    let [x, y, _] = order.map(|i| eigen.eigenvectors.column(i).into_owned());
+    // The eigenvectors of almost equal eigenvalues were found up to 1e-7 off right angles.
+    let x = x.normalize();
+    let y = (y - x * x.dot(&y)).normalize();
+    (Matrix3::from_columns(&[x, y, x.cross(&y)]), order.map(|i| eigen.eigenvalues[i].max(0.0)))
 }
 
 /// Third moment of the surface along `axis` about `origin`, over its area.

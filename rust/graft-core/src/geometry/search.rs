@@ -186,6 +186,8 @@ impl Polyhedron {
 
     /// The smallest box that has `normal` as an axis.
     pub fn best_about(&self, normal: &Vec3, work: &mut Workspace) -> Option<Candidate> {
+        // An axis that is found from an axis, again and again, would drift away from unit length.
+        let normal = &normal.normalize();
         let (u, v) = plane_axes(normal);
         let [mut low, mut high, ..] = work.feet;
         let height = self.reach(normal, &mut low, &mut high);
