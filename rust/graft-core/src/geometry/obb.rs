@@ -5,7 +5,7 @@
 //! rectangle about its axis; lower bounds from a coarse inner polyhedron order them. The best of them are turned: about one
 //! axis at a time by calipers, freely in shrinking steps, and along the ridges on which edges stay flush with the box. At
 //! last every face normal (near the box's axes, for hulls of many corners) that the bounds leave is tried. The boxes of
-//! 833 parts and point sets were never larger than the best of those over all face normals.
+//! 533 parts and point sets were never larger than the best of those over all face normals.
 
 use std::collections::HashSet;
 
