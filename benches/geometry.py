@@ -14,13 +14,11 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-
 from scipy.spatial.transform import Rotation
 
 from graft import _core
 from graft.graph import build_graph
 from graft.objects import Part, PartObject
-
 
 TURNS = Rotation.random(8, rng=np.random.default_rng(0)).as_matrix()
 """Poses in which every part is boxed."""

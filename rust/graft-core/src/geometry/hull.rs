@@ -10,7 +10,7 @@ use super::quickhull::quickhull;
 const ATTEMPTS: [(bool, f64); 5] = [(true, 0.0), (false, 0.0), (true, 1e-11), (false, 1e-11), (false, 1e-9)];
 
 /// Faces lower than this share of their longest side have their corners on a line.
-const SLIVER: f64 = 1e-10;
+const SLIVER: f64 = 1e-7;
 
 /// Slivers that lie side by side are flipped one after the other, at most so many deep.
 const FLIPS: usize = 16;
