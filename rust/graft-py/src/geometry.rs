@@ -172,7 +172,7 @@ pub fn oriented_box<'py>(
     }
     let found = py.detach(|| {
         let centroid = cloud.iter().sum::<Vec3>() / cloud.len() as f64;
-        geometry::frame::stated_frame(geometry::minimal_box(&cloud).bounds, &centroid, 0.0).bounds
+        geometry::frame::stated_frame(geometry::minimal_box(&cloud), &centroid, &Vec3::zeros(), 0.0, |_, _| 0.0).bounds
     });
     Ok((
         Array1::from_iter(found.center.iter().copied()).into_pyarray(py),
