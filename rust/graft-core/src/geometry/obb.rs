@@ -14,7 +14,7 @@ use super::affine::{Span, any_normal, span};
 use super::hull::{Hull, hull_in};
 use super::moments;
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
-use super::search::{Candidate, Coarse, Polyhedron, Workspace};
+use super::search::{Candidate, Coarse, Polyhedron, Workspace, extent};
 
 /// Volumes within this share of each other are equal; the earlier candidate wins.
 const VOLUME_TIE: f64 = 1e-12;
@@ -214,7 +214,7 @@ fn posed_axes(hull: &Hull) -> [Vec3; 3] {
 fn solid_axes(hull: &Polyhedron) -> Option<Candidate> {
     let mut work = Workspace::default();
     let inner = if hull.vertices.len() > LARGE { Coarse::new(hull, INNER_DIRECTIONS) } else { None };
-    let mut best = Best { found: Vec::new(), capacity: 1 };
+    let mut best = Best { found: Vec::new(), capacity: STARTS };
     let Some(inner) = inner else {
         let rough = Coarse::new(hull, ROUGH_DIRECTIONS);
         let (starts, rest) = starts(hull, rough.as_ref());
@@ -222,7 +222,7 @@ fn solid_axes(hull: &Polyhedron) -> Option<Candidate> {
             best.insert(turned(hull, start, ROUGH_STEP, LAST_STEP, &mut work));
         }
         descend(hull, rough.as_ref(), rest, &mut best);
-        return best.found.first().copied();
+        return smallest(hull, &best);
     };
     // The inner polyhedron's boxes are near the hull's.
     let rough = Coarse::new(inner.shape(), ROUGH_DIRECTIONS);
@@ -237,7 +237,14 @@ fn solid_axes(hull: &Polyhedron) -> Option<Candidate> {
     let mut faces = face_normals(hull);
     faces.retain(|n| found.axes.iter().any(|a| a.dot(n).abs() > 1.0 - NEAR * NEAR / 2.0));
     descend(hull, Some(&inner), faces, &mut best);
-    best.found.first().copied()
+    smallest(hull, &best)
+}
+
+/// The smallest box once all corners have been looked at: on sides that are flat but for rounding, walking uphill can end
+/// before the top and make a box look smaller than it is.
+fn smallest(hull: &Polyhedron, best: &Best) -> Option<Candidate> {
+    let whole = |c: &Candidate| c.axes.iter().map(|axis| extent(&hull.vertices, axis)).product::<f64>();
+    best.found.iter().copied().min_by(|a, b| whole(a).total_cmp(&whole(b)))
 }
 
 /// The boxes that are near the smallest once all have been turned roughly, each once.
