@@ -38,6 +38,7 @@ bench: $(VENV)/.dev  ## Benchmarks against peers; SHARED=folder of labelled obje
 	$(BIN)/python benches/geometry.py $(SHARED)
 	$(BIN)/python benches/descriptor.py $(if $(SHARED),--objects $(SHARED))
 	$(BIN)/python benches/transport.py
+	$(BIN)/python benches/pipeline.py $(SHARED)
 
 wheel: $(VENV)/.dev  ## Build the wheel into dist/
 	$(BIN)/maturin build --release --out dist

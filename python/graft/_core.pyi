@@ -7,6 +7,7 @@ __all__ = [
     "__version__",
     "box_gaps",
     "cast_rays",
+    "chamfer_distances",
     "convex_hull",
     "describe_parts",
     "descriptor_dim",
@@ -17,13 +18,16 @@ __all__ = [
     "part_geometry",
     "part_hops",
     "part_relations",
+    "rank_graphs",
     "render_scene",
     "ufgw_batch",
+    "ufgw_pair",
 ]
 __version__: str
 
 # geometry
 
+def chamfer_distances(cloud: NDArray[np.float64], candidates: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def part_geometry(
     vertices: NDArray[np.float64],
     normals: NDArray[np.float64],

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from graft import zoo
-from graft.contact import dense_map, transfer_contact
+from graft.contact import transfer_contact
 from graft.contact.transfer import _shortest_turn
 from graft.library import match
 from graft.marking import closest_surface_point
@@ -94,17 +94,3 @@ def test_shortest_turn_of_opposite_directions():
         turn = _shortest_turn(axis, -axis)
         assert_allclose(turn @ axis, -axis, atol=1e-12)
         assert np.linalg.det(turn) == pytest.approx(1.0)
-
-
-def test_dense_map_of_an_object_onto_itself_is_the_identity():
-    demonstration = zoo.demonstration("mug", 1)
-    found = match(demonstration, demonstration.object)
-    dense = dense_map(found)
-    assert len(dense.points) == sum(len(p) for p in found.target.points)
-    assert_allclose(dense.source_points, dense.points, atol=1e-9)
-    assert (dense.source_part == dense.part).all()
-    hottest = dense.points[dense.heat.argmax()]
-    assert np.linalg.norm(hottest - demonstration.contact.point) < 0.1 * found.target.diagonal
-    assert dense.heat.min() >= 0.0
-    assert dense.heat.max() <= 1.0
-    assert dense.part[dense.heat.argmax()] == demonstration.contact.part

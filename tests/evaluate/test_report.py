@@ -112,7 +112,7 @@ def test_the_document_is_json_and_complete(benchmark, rows):
 
 def test_every_ablation_runs_and_differs_in_parameters(benchmark):
     methods = ablations()
-    assert len({repr((m.solver, m.graphs, m.landing)) for m in methods}) == len(methods)
+    assert len({repr((m.solver, m.graphs, m.landing, m.voters)) for m in methods}) == len(methods)
     assert len({m.name for m in methods}) == len(methods)
     rows = evaluate(benchmark, methods, k=1)
     assert len(rows) == 4 * len(methods)

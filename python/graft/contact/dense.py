@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import align_parts
@@ -14,6 +13,9 @@ from graft.objects import Floats, Ints
 
 HEAT_WIDTH = 0.35
 """Standard deviation, in canonical units (the part's box is 2 wide), of the heat about the contact."""
+
+NEGLIGIBLE = 0.01
+"""A target part that received less than this share of the demonstrated part has no heat."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,17 +49,23 @@ def dense_map(match: Match) -> DenseMap:
     points, owners, sources, source_owners, heats = [], [], [], [], []
     for part, surface in enumerate(match.target.points):
         sender = int(np.argmax(plan[:, part]))
-        frames = align_parts(match.source, sender, match.target, part, plan)
         there = match.source.points[sender]
-        tree = cKDTree(fourier_encoding(frames.source.to_canonical(there)))
-        nearest = tree.query(fourier_encoding(frames.target.to_canonical(surface)))[1]
-        if sender != contact.part:
-            frames = align_parts(match.source, contact.part, match.target, part, plan)
-        offset = frames.target.to_canonical(surface) - frames.source.to_canonical(contact.point)
+        frames = align_parts(
+            match.source, sender, match.target, part, plan, contact if sender == contact.part else None
+        )
+        nearest = _nearest_codes(
+            fourier_encoding(frames.target.to_canonical(surface)), fourier_encoding(frames.source.to_canonical(there))
+        )
         points.append(surface)
         owners.append(np.full(len(surface), part, np.int64))
         sources.append(there[nearest])
         source_owners.append(np.full(len(surface), sender, np.int64))
+        if shares[part] < NEGLIGIBLE:
+            heats.append(np.zeros(len(surface)))
+            continue
+        if sender != contact.part:
+            frames = align_parts(match.source, contact.part, match.target, part, plan, contact)
+        offset = frames.target.to_canonical(surface) - frames.source.to_canonical(contact.point)
         heats.append(shares[part] * np.exp(-np.square(offset).sum(axis=1) / (2.0 * HEAT_WIDTH**2)))
     return DenseMap(
         np.concatenate(points),
@@ -66,3 +74,15 @@ def dense_map(match: Match) -> DenseMap:
         np.concatenate(source_owners),
         np.concatenate(heats),
     )
+
+
+def _nearest_codes(codes: Floats, others: Floats) -> Ints:
+    """Return (q,) the row of others (s, d) nearest to each of codes (q, d); the first on a tie.
+
+    In single precision: its rounding is far below what tells neighbouring samples apart.
+    """
+    a, b = codes.astype(np.float32), others.astype(np.float32)
+    products = a @ (-2.0 * b).T
+    products += np.square(b).sum(axis=1)
+    nearest: Ints = products.argmin(axis=1)
+    return nearest

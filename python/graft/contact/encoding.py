@@ -32,8 +32,10 @@ def fourier_encoding(points: Floats, *, bands: int = BANDS, decay: float = BAND_
         (..., 6 * bands) codes.
     """
     points = np.asarray(points, np.float64)
-    octaves = np.arange(bands)
-    angles = points[..., None, :] * (2.0**octaves * (np.pi / 2.0))[:, None]
-    amplitude = (decay**octaves)[:, None]
-    waves = np.concatenate([amplitude * np.sin(angles), amplitude * np.cos(angles)], axis=-1)
+    waves = np.empty((*points.shape[:-1], bands, 6))
+    sine, cosine = np.sin(points * (np.pi / 2.0)), np.cos(points * (np.pi / 2.0))
+    for octave in range(bands):
+        waves[..., octave, :3] = decay**octave * sine
+        waves[..., octave, 3:] = decay**octave * cosine
+        sine, cosine = 2.0 * sine * cosine, 1.0 - 2.0 * sine * sine  # the next octave is the double angle
     return waves.reshape(*points.shape[:-1], 6 * bands)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graft.contact.cues import View
 from graft.contact.encoding import fourier_encoding
 from graft.contact.frames import FramePair, align_parts
 from graft.library import Match
@@ -19,11 +20,19 @@ from graft.objects import Contact, Floats
 from graft.transport import matched_part
 
 NORMAL_WEIGHT = 0.5
-"""Weight of the squared difference of unit normals beside the squared difference of codes. Keeps a contact on the
-outer wall from landing on the inner one; small enough that a place decides before a direction does."""
+"""Weight of the squared difference of unit normals, beyond the tolerance, beside the squared difference of codes.
+Keeps a contact on the outer wall from landing on the inner one."""
+
+NORMAL_TOLERANCE = 2.0 - 2.0 * float(np.cos(np.deg2rad(30)))
+"""Squared difference of unit normals that costs nothing, so that a place decides before a direction does: on a thin
+bar a frame that is a few degrees off changes the normal at a place by more than a point further along would."""
 
 COST_SCALE = 0.5
 """Ranking cost at which the confidence has fallen to 1/e of what the plan alone would give."""
+
+OUTLOOK_WEIGHT = 1.0
+"""Weight of how much more of the target a place looks at than the demonstrated contact does of the source, in
+[0, 1]. Keeps the gripper's side of a place clear where it was clear in the demonstration."""
 
 OPPOSITE = 1e-9
 """Two unit vectors whose sum is shorter than this are opposite: the turn between them has no axis of its own."""
@@ -64,14 +73,19 @@ def transfer_contact(match: Match) -> TransferredContact:
     """
     contact = match.demonstration.contact
     target_part, share = matched_part(match.transport.plan, match.transport.target_mass, contact.part)
-    frames = align_parts(match.source, contact.part, match.target, target_part, match.transport.plan)
+    frames = align_parts(match.source, contact.part, match.target, target_part, match.transport.plan, contact)
 
     place = frames.source.to_canonical(contact.point)
     facing = frames.source.directions(contact.normal)
     points, normals = _landing_places(match, target_part, frames.target.to_object(place))
     codes = fourier_encoding(frames.target.to_canonical(points))
     distance = np.square(codes - fourier_encoding(place)).sum(axis=1)
-    distance += NORMAL_WEIGHT * np.square(frames.target.directions(normals) - facing).sum(axis=1)
+    turned = np.square(frames.target.directions(normals) - facing).sum(axis=1)
+    distance += NORMAL_WEIGHT * np.maximum(turned - NORMAL_TOLERANCE, 0.0)
+    running = distance <= distance.min() + OUTLOOK_WEIGHT  # no other can win: the outlooks differ by 1 at most
+    demonstrated = View.of(match.source, contact.part).outlook(contact.point[None], contact.normal[None])
+    outlook = View.of(match.target, target_part).outlook(points[running], normals[running])
+    distance[running] += OUTLOOK_WEIGHT * np.maximum(outlook - demonstrated, 0.0)
     best = int(np.argmin(distance))
 
     rotation = frames.target.rotation @ frames.source.rotation.T

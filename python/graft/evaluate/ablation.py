@@ -41,7 +41,7 @@ class RootAnchored:
         features = solver.features(sources, target)
         roots = [int(np.argmin(cost[part])) for cost, part in zip(features, source_parts, strict=True)]
         pairs = zip(sources, source_parts, strict=True)
-        return ufgw_batch(
+        transports = ufgw_batch(
             features,
             [source.structure for source in sources],
             [target.structure] * len(sources),
@@ -58,6 +58,13 @@ class RootAnchored:
             max_outer=solver.max_outer,
             threads=solver.threads,
         )
+        return list(transports)
+        found = zip(transports, features, source_parts, strict=True)
+        return [solver.ranked(transport, cost, part) for transport, cost, part in found]
+
+
+PAPER = UFGW(lambda_relation=0.0, part_weight=0.0, doubt_weight=0.0)
+"""Boxes and descriptors alone, matches ranked by the transport's cost alone."""
 
 
 def ablations() -> list[Graft]:
@@ -71,6 +78,12 @@ def ablations() -> list[Graft]:
         Graft("without graph (alpha 1)", UFGW(alpha=1.0)),
         Graft("without descriptor", graphs=Graphs(descriptor=None)),
         Graft("without boxes (lambda_obb 0)", UFGW(lambda_obb=0.0)),
+        Graft("without relations (lambda_relation 0)", UFGW(lambda_relation=0.0)),
+        Graft("without the part's cost in the ranking", UFGW(part_weight=0.0)),
+        Graft("without doubt in the ranking", UFGW(doubt_weight=0.0)),
+        Graft("without votes", voters=1),
+        Graft("ranked as in the paper", UFGW(part_weight=0.0, doubt_weight=0.0), voters=1),
+        Graft("cost and ranking as in the paper", PAPER, voters=1),
         Graft("without features (alpha 0)", UFGW(alpha=0.0)),
         Graft("without saliency (gamma 1)", UFGW(saliency=1.0)),
         Graft("without EM", UFGW(em_rate=None)),

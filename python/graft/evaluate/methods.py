@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator
 
 from graft.contact import TransferredContact, agree, transfer_contact
-from graft.contact.frames import box_frame
+from graft.contact.canonical import box_frame
 from graft.evaluate.protocols import Benchmark, Query, Source
 from graft.features import Descriptor, GeometricDescriptor
 from graft.graph import PartGraph, Structure, build_graph

@@ -164,11 +164,11 @@ class UFGW:
             threads=self.threads,
         )
         return [
-            self._ranked(transport, matrix, part)
+            self.ranked(transport, matrix, part)
             for transport, matrix, part in zip(transports, features, source_parts, strict=True)
         ]
 
-    def _ranked(self, transport: Transport, features: Floats, source_part: int) -> Transport:
+    def ranked(self, transport: Transport, features: Floats, source_part: int) -> Transport:
         """Return the transport with what it says of the demonstrated part in its ranking cost and terms."""
         part, share = matched_part(transport.plan, transport.target_mass, source_part)
         own = self.part_weight * float(features[source_part, part])

@@ -105,7 +105,7 @@ fn shapes(
 /// hull volumes, flag bits (1 degenerate, 2 flat, 4 symmetric), sampled points and normals.
 #[pyfunction]
 #[pyo3(signature = (vertices, normals, vertex_counts, faces, face_counts, samples, seed))]
-#[allow(clippy::type_complexity, clippy::needless_pass_by_value, clippy::too_many_arguments)]
+#[allow(clippy::type_complexity, clippy::too_many_arguments)]
 pub fn part_geometry<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,
@@ -161,7 +161,7 @@ pub fn part_geometry<'py>(
 
 /// The minimal box of a point set: centre (3,), axes (3, 3) in columns, longest first, half extents (3,).
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value, clippy::type_complexity)]
+#[allow(clippy::type_complexity)]
 pub fn oriented_box<'py>(
     py: Python<'py>,
     points: PyReadonlyArray2<'py, f64>,
@@ -172,7 +172,7 @@ pub fn oriented_box<'py>(
     }
     let found = py.detach(|| {
         let centroid = cloud.iter().sum::<Vec3>() / cloud.len() as f64;
-        geometry::frame::stated_frame(geometry::minimal_box(&cloud).bounds, &centroid, 0.0).bounds
+        geometry::frame::stated_frame(geometry::minimal_box(&cloud), &centroid, &Vec3::zeros(), 0.0, |_, _| 0.0).bounds
     });
     Ok((
         Array1::from_iter(found.center.iter().copied()).into_pyarray(py),
@@ -183,7 +183,7 @@ pub fn oriented_box<'py>(
 
 /// The convex hull of a point set: vertices (v, 3) and outward faces (f, 3); no faces when it is flat.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value, clippy::type_complexity)]
+#[allow(clippy::type_complexity)]
 pub fn convex_hull<'py>(
     py: Python<'py>,
     points: PyReadonlyArray2<'py, f64>,
@@ -194,4 +194,24 @@ pub fn convex_hull<'py>(
         Array2::from_shape_fn((hull.vertices.len(), 3), |(i, k)| hull.vertices[i][k]).into_pyarray(py),
         Array2::from_shape_fn((hull.faces.len(), 3), |(i, k)| i64::from(hull.faces[i][k])).into_pyarray(py),
     ))
+}
+
+/// Half the sum of the mean nearest distances between `cloud` (a, 3) and each of `candidates` (k, b, 3), both ways: (k,).
+#[pyfunction]
+pub fn chamfer_distances<'py>(
+    py: Python<'py>,
+    cloud: PyReadonlyArray2<'py, f64>,
+    candidates: PyReadonlyArray3<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let from = finite("cloud", &cloud)?;
+    let to = finite("candidates", &candidates)?;
+    let (rows, width) = cloud.as_array().dim();
+    if rows == 0 || width != 3 {
+        return Err(to_py(&Error::shape("cloud", "shape (a, 3), a > 0", format!("({rows}, {width})"))));
+    }
+    let (k, b, width) = candidates.as_array().dim();
+    if b == 0 || width != 3 {
+        return Err(to_py(&Error::shape("candidates", "shape (k, b, 3), b > 0", format!("({k}, {b}, {width})"))));
+    }
+    Ok(py.detach(|| geometry::chamfer(from, to, b)).into_pyarray(py))
 }

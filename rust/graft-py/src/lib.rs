@@ -1,5 +1,8 @@
 //! The Python border of graft-core: declares, converts, calls. No computing here.
 
+// pyo3 hands arguments over by value.
+#![allow(clippy::needless_pass_by_value)]
+
 mod convert;
 mod descriptor;
 mod geometry;
@@ -25,7 +28,7 @@ mod _core {
     #[pymodule_export]
     use super::transport::{feature_costs, ufgw_batch, ufgw_pair};
     #[pymodule_export]
-    use crate::geometry::{convex_hull, oriented_box, part_geometry};
+    use crate::geometry::{chamfer_distances, convex_hull, oriented_box, part_geometry};
     #[pymodule_export]
     use crate::graph::{box_gaps, edge_lengths, part_adjacency, part_hops, part_relations};
 }

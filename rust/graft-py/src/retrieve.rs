@@ -22,7 +22,7 @@ type Best<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, usize);
     hot_masses, target_extents, target_relations, target_descriptors, target_structure, target_prior, *, alpha, tau_s,
     tau_t, eps, loss, entropy, em_rate, tol, max_outer, lambda_obb, lambda_global, lambda_relation, variant, part_weight,
     doubt_weight, k, prune))]
-#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)]
+#[allow(clippy::too_many_arguments)]
 pub fn rank_graphs<'py>(
     py: Python<'py>,
     offsets: Words<'py>,

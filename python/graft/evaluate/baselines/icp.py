@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from graft.contact.frames import CUBE_ROTATIONS
+from graft.contact.canonical import CUBE_ROTATIONS
 from graft.objects import Floats
 
 TRIM = 0.8
