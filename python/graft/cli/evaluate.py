@@ -24,6 +24,7 @@ from graft.cli.options import print_json
 from graft.errors import InputError
 from graft.evaluate.ablation import ablations
 from graft.evaluate.affordance import methods, pictured, worst
+from graft.evaluate.baselines import image_methods
 from graft.evaluate.diversity import Diversity, diversity, retrieving_methods
 from graft.evaluate.intervals import Estimate
 from graft.evaluate.methods import Graft, Method
@@ -226,6 +227,8 @@ def _print_affordance(console: Console, rows: Sequence[Row], k: int, seed: int, 
         for category, summaries in by_category(rows, k, seed).items():
             console.print(f"\n[bold]{category}[/], {summaries[0].targets} targets")
             _print_summaries(console, summaries, k, quoted=False)
+    if not image_methods():
+        console.print("image retrieval is left out: it needs pip install 'graft-robotics[vision]'")
     curve = coverage_curve([row for row in rows if row.method == Graft().name])
     console.print("\ngraft's part accuracy when only the surest answers are given:")
     console.print("  ".join(f"{coverage:.0%} {accuracy:.2f}" for coverage, accuracy in curve))
