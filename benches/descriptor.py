@@ -1,8 +1,9 @@
 """Time, stability and retrieval of the geometric descriptor, per family and in total.
 
-python benches/descriptor.py [--objects FOLDER]
+python benches/descriptor.py [--objects FOLDER [--constants]]
 
-FOLDER holds one folder per object (mesh.ply, parts.seg, object.json).
+FOLDER holds one folder per object (mesh.ply, parts.seg, object.json). With --constants, print the arrays of
+rust/graft-core/src/descriptor/constants.rs instead, measured on every other object of FOLDER and of the YCB scans.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from graft import zoo
 from graft.features import FAMILIES, GeometricDescriptor
 from graft.objects import Part, PartObject
 
@@ -77,11 +79,32 @@ def retrieval(objects: list[PartObject], rows: list[np.ndarray]) -> tuple[float,
     return float(np.mean(pairs)), float(np.mean(top1)), float(np.mean(top5)), float(np.mean(nearest))
 
 
+def print_constants(objects: list[PartObject]) -> None:
+    """Print mean and deviation of every raw feature over the parts of `objects` and four seeds, as Rust."""
+    print(f"// {sum(len(o.parts) for o in objects)} parts of {len(objects)} objects")
+    for family in FAMILIES:
+        describe = [GeometricDescriptor(families=(family,), seed=seed).raw_features for seed in range(4)]
+        rows = np.concatenate([raw(o) for raw in describe for o in objects])
+        pairs = [f"[{m:.4f}, {d:.4f}]" for m, d in zip(np.nanmean(rows, 0), np.nanstd(rows, 0), strict=True)]
+        print(f"pub const {family.upper()}: … = [")
+        for k in range(0, len(pairs), 6):
+            print("    " + ", ".join(pairs[k : k + 6]) + ",")
+        print("];")
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--objects", type=Path)
-    folder = parser.parse_args().objects
+    parser.add_argument("--constants", action="store_true")
+    arguments = parser.parse_args()
+    folder = arguments.objects
+    if arguments.constants:
+        if folder is None:
+            parser.error("--constants needs --objects")
+        scans = [zoo.ycb_object(name) for name in sorted(zoo.ycb_names())[::2]]
+        print_constants([load(p.parent) for p in sorted(folder.glob("*/object.json"))[::2]] + scans)
+        return
     objects = [load(p.parent) for p in sorted(folder.glob("*/object.json"))] if folder else solids()
     n = sum(len(o.parts) for o in objects)
     moved = [turned(o, np.random.default_rng(k)) for k, o in enumerate(objects)]

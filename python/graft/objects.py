@@ -23,6 +23,9 @@ JOINT_TYPES: tuple[str, ...] = ("fixed", "hinge", "slide", "ball", "free", "plan
 UNIT_TOLERANCE = 1e-6
 """A direction shorter than this has no direction."""
 
+ROTATION_TOLERANCE = 1e-5
+"""Columns of a rotation may be off unit length and right angles by this: single precision gives 1e-6."""
+
 
 def _array(name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: type = np.float64) -> Any:
     """Return `value` as a read-only contiguous array, or raise `InputError` naming it.
@@ -59,6 +62,17 @@ def _unit(name: str, value: ArrayLike) -> Floats:
     unit: Floats = vector / length
     unit.setflags(write=False)
     return unit
+
+
+def _scale(linear: Floats) -> float:
+    """Return by how much the linear part (3, 3) of a similarity stretches lengths."""
+    return float(np.linalg.norm(linear) / np.sqrt(3.0))
+
+
+def _is_rotation(matrix: Floats) -> bool:
+    """Whether (3, 3) is orthonormal to `ROTATION_TOLERANCE` and does not mirror."""
+    error = np.abs(matrix.T @ matrix - np.eye(3)).max()
+    return bool(error <= ROTATION_TOLERANCE and np.linalg.det(matrix) > 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,13 +258,13 @@ class PartObject:
         """
         matrix: Floats = _array("transform", transform, (4, 4))
         linear = matrix[:3, :3]
-        gram = linear.T @ linear
-        scale = float(np.sqrt(np.trace(gram) / 3.0))
-        if scale < UNIT_TOLERANCE or np.linalg.det(linear) < 0 or not np.allclose(gram, scale**2 * np.eye(3)):
+        scale = _scale(linear)
+        # The comparison is of the matrix over its scale: micrometres and megametres are judged alike.
+        if not 0 < scale < np.inf or not _is_rotation(linear / scale):
             raise InputError("transform: expected a rotation, a positive uniform scale and a translation")
 
         def joint(old: Joint) -> Joint:
-            axis = None if old.axis is None else linear @ old.axis
+            axis = None if old.axis is None else linear @ old.axis / scale
             origin = None if old.origin is None else linear @ old.origin + matrix[:3, 3]
             stretch = scale if old.kind == "slide" else 1.0
             limits = None if old.limits is None else (old.limits[0] * stretch, old.limits[1] * stretch)
@@ -260,7 +274,7 @@ class PartObject:
             self,
             parts=tuple(part.transformed(matrix) for part in self.parts),
             joints=tuple(joint(j) for j in self.joints),
-            up=None if self.up is None else linear @ self.up,
+            up=None if self.up is None else linear @ self.up / scale,
             scale_to_metres=None if self.scale_to_metres is None else self.scale_to_metres / scale,
         )
 
@@ -291,8 +305,10 @@ class Contact:
         """Return the contact moved by `transform` (4, 4), a similarity."""
         matrix: Floats = _array("transform", transform, (4, 4))
         linear = matrix[:3, :3]
-        approach = None if self.approach is None else linear @ self.approach
-        return replace(self, point=linear @ self.point + matrix[:3, 3], normal=linear @ self.normal, approach=approach)
+        scale = _scale(linear)
+        approach = None if self.approach is None else linear @ self.approach / scale
+        normal = linear @ self.normal / scale
+        return replace(self, point=linear @ self.point + matrix[:3, 3], normal=normal, approach=approach)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,15 +17,9 @@ def transfers():
     return [transfer_contact(match) for match in library.retrieve(zoo.make("kettle", 1), k=4)]
 
 
-def voting(transfer, part, cost, share=1.0):
-    """The transfer as if its match had cost `cost` and sent its part to `part` with `share`, the rest to the next."""
-    transport = transfer.match.transport
-    plan = np.zeros_like(transport.plan)
-    mass = np.full(plan.shape[1], 1.0)
-    plan[transfer.source_part, part] = share
-    plan[transfer.source_part, (part + 1) % plan.shape[1]] = 1 - share
-    match = replace(transfer.match, transport=replace(transport, plan=plan, target_mass=mass), cost=cost)
-    return replace(transfer, match=match, target_part=part, share=share)
+def voting(transfer, part, cost):
+    """The transfer as if its match had cost `cost` and landed on `part`."""
+    return replace(transfer, match=replace(transfer.match, cost=cost), target_part=part)
 
 
 def test_two_good_matches_outvote_the_best(transfers):
@@ -44,11 +38,6 @@ def test_two_good_matches_outvote_the_best(transfers):
 def test_poor_matches_do_not_outvote_the_best(transfers):
     given = [voting(transfers[0], 0, 0.3)] + [voting(t, 1, 0.3 + 5 * VOTE_SCALE) for t in transfers[1:]]
     assert agree(given)[0].match is given[0].match
-
-
-def test_an_undecided_match_votes_for_both_its_parts(transfers):
-    given = [voting(transfers[0], 0, 0.3, share=0.6), voting(transfers[1], 1, 0.3, share=1.0)]
-    assert [t.target_part for t in agree(given)] == [1, 0]
 
 
 def test_equal_votes_go_to_the_lowest_part_and_one_or_none_stay(transfers):

@@ -1,5 +1,8 @@
 //! The Python border of graft-core: declares, converts, calls. No computing here.
 
+// pyo3 hands arguments over by value.
+#![allow(clippy::needless_pass_by_value)]
+
 mod convert;
 mod descriptor;
 mod geometry;

@@ -68,7 +68,7 @@ fn packed<'py>(py: Python<'py>, solutions: &[Solution]) -> PyResult<Solved<'py>>
 #[pyfunction]
 #[pyo3(signature = (sizes, features, source, target, source_mass, target_mass, prior, start, *, alpha, tau_s, tau_t,
     eps, loss, entropy, em_rate, tol, max_outer, threads))]
-#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)]
+#[allow(clippy::too_many_arguments)]
 pub fn ufgw_batch<'py>(
     py: Python<'py>,
     sizes: PyReadonlyArray2<'py, i64>,
@@ -136,7 +136,7 @@ pub fn ufgw_batch<'py>(
 #[pyfunction]
 #[pyo3(signature = (source_extents, source_relations, source_descriptors, target_extents, target_relations,
     target_descriptors, *, lambda_obb, lambda_global, lambda_relation, variant))]
-#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)]
+#[allow(clippy::too_many_arguments)]
 pub fn feature_costs<'py>(
     py: Python<'py>,
     source_extents: PyReadonlyArray2<'py, f64>,

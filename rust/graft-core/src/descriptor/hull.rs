@@ -5,14 +5,13 @@
 //! for every part. The directions come in mirrored octants: flipped axes give the same hull.
 
 use super::surface::{FLOOR, Point, Surface};
+use crate::geometry::convex_hull;
 use nalgebra::Matrix3;
 
 /// Directions per octant.
 const DIRECTIONS: usize = 24;
 /// Cells along an edge of the cube map that thins dense vertices out.
 const CELLS: usize = 16;
-/// Height over a facet, in deviations, below which a point counts as on it.
-const ON_FACET: f64 = 1e-9;
 
 /// Facets (outward) of a closed convex polyhedron.
 pub struct Hull {
@@ -49,8 +48,9 @@ impl Hull {
                 }
             }
         }
-        let facets = incremental(&points);
-        Self::measured(facets.iter().map(|f| f.map(|i| points[i].component_mul(&stretch))).collect())
+        let hull = convex_hull(&points);
+        let corner = |i: u32| hull.vertices[i as usize].component_mul(&stretch);
+        Self::measured(hull.faces.iter().map(|f| f.map(corner)).collect())
     }
 
     /// Integrate volume, area, centroid and covariance over the facets.
@@ -130,46 +130,4 @@ fn directions() -> impl Iterator<Item = Point> {
         let sign = |bit: usize| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
         Point::new(sign(0) * radius * azimuth.cos(), sign(1) * radius * azimuth.sin(), sign(2) * z)
     })
-}
-
-/// A facet while the hull grows: corners, outward unit normal, offset.
-type Facet = ([usize; 3], Point, f64);
-
-/// Incremental hull (a few hundred points at most): facets as corner indices, outward. Never empty for a solid set.
-fn incremental(points: &[Point]) -> Vec<[usize; 3]> {
-    let facet = |corners: [usize; 3]| -> Facet {
-        let [a, b, c] = corners.map(|i| points[i]);
-        let normal = (b - a).cross(&(c - a));
-        let unit = normal / normal.norm().max(f64::MIN_POSITIVE);
-        (corners, unit, unit.dot(&a))
-    };
-    let mut facets: Vec<Facet> = first_tetrahedron(points).into_iter().flatten().map(facet).collect();
-    let mut edges = Vec::new();
-    for (i, point) in points.iter().enumerate() {
-        edges.clear();
-        facets.retain(|(f, normal, offset)| {
-            let seen = normal.dot(point) > offset + ON_FACET;
-            if seen {
-                edges.extend([(f[0], f[1]), (f[1], f[2]), (f[2], f[0])]);
-            }
-            !seen
-        });
-        let rim = edges.iter().filter(|&&(a, b)| !edges.contains(&(b, a)));
-        facets.extend(rim.map(|&(a, b)| facet([a, b, i])));
-    }
-    facets.into_iter().map(|(corners, ..)| corners).collect()
-}
-
-/// Four corners far apart.
-fn first_tetrahedron(points: &[Point]) -> Option<Vec<[usize; 3]>> {
-    let farthest = |score: &dyn Fn(&Point) -> f64| {
-        (0..points.len()).max_by(|&i, &j| score(&points[i]).total_cmp(&score(&points[j])).then(j.cmp(&i)))
-    };
-    let a = farthest(&|p| p.x)?;
-    let b = farthest(&|p| (p - points[a]).norm())?;
-    let c = farthest(&|p| (p - points[a]).cross(&(points[b] - points[a])).norm())?;
-    let normal = (points[b] - points[a]).cross(&(points[c] - points[a]));
-    let d = farthest(&|p| normal.dot(&(p - points[a])).abs())?;
-    let (b, c) = if normal.dot(&(points[d] - points[a])) > 0.0 { (c, b) } else { (b, c) };
-    Some(vec![[a, b, c], [a, c, d], [a, d, b], [b, d, c]])
 }

@@ -2,6 +2,7 @@
 //!
 //! Everything later reads this form, so that no feature depends on where the part lies or how large it is.
 
+use crate::geometry::moments::{self, Moments, surface_moments};
 use nalgebra::{Matrix3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -59,7 +60,7 @@ impl Surface {
             .collect();
         let (faces, areas): (Vec<_>, Vec<_>) = faces.into_iter().zip(areas).filter(|&(_, area)| area > 0.0).unzip();
 
-        let (centre, covariance) = moments(&vertices, &faces, &areas);
+        let Moments { centroid: centre, covariance, .. } = surface_moments(&vertices, &faces, |i| i);
         let (axes, deviations) = principal(&covariance);
         let radius = deviations.iter().map(|s| s * s).sum::<f64>().sqrt();
         for vertex in &mut vertices {
@@ -95,36 +96,10 @@ fn used(vertices: &[[f64; 3]], faces: &[[i64; 3]]) -> (Vec<Point>, Vec<[usize; 3
     (kept, renumbered)
 }
 
-/// Mean and covariance of the surface, integrated exactly over the triangles; of the points when there are none.
-fn moments(vertices: &[Point], faces: &[[usize; 3]], areas: &[f64]) -> (Point, Matrix3<f64>) {
-    let mut total = 0.0;
-    let mut first = Point::zeros();
-    let mut second = Matrix3::zeros();
-    for (&[a, b, c], area) in faces.iter().zip(areas) {
-        let (a, b, c) = (vertices[a], vertices[b], vertices[c]);
-        let sum = a + b + c;
-        total += area;
-        first += sum * (area / 3.0);
-        second += (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose()) * (area / 12.0);
-    }
-    if faces.is_empty() {
-        for v in vertices {
-            total += 1.0;
-            first += v;
-            second += v * v.transpose();
-        }
-    }
-    let centre = first / total;
-    (centre, second / total - centre * centre.transpose())
-}
-
 /// Axes (columns, longest first) and floored standard deviations of a covariance.
 pub fn principal(covariance: &Matrix3<f64>) -> (Matrix3<f64>, [f64; 3]) {
-    let eigen = covariance.symmetric_eigen();
-    let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-    let axes = Matrix3::from_columns(&order.map(|i| eigen.eigenvectors.column(i).into_owned()));
-    let deviations = order.map(|i| eigen.eigenvalues[i].max(0.0).sqrt());
+    let (axes, variances) = moments::principal(covariance);
+    let deviations = variances.map(f64::sqrt);
     (axes, deviations.map(|s| s.max(FLOOR * deviations[0])))
 }
 

@@ -5,18 +5,20 @@ pub mod chamfer;
 pub mod frame;
 pub mod gap;
 pub mod hull;
+pub mod moments;
 pub mod obb;
 pub mod part;
 mod quickhull;
 pub mod rectangle;
 pub mod search;
 pub mod surface;
+pub mod ties;
 
 pub use chamfer::chamfer;
 pub use frame::Frame;
 pub use gap::box_gap;
 pub use hull::{Hull, convex_hull};
-pub use obb::{Boxed, OrientedBox, minimal_box};
+pub use obb::{OrientedBox, minimal_box};
 pub use part::{PartGeometry, PartShape, object_geometry};
 
 /// A point or a direction in space.

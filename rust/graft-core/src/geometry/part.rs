@@ -1,11 +1,16 @@
 //! The geometry of an object's parts, all at once.
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
+use super::Vec3;
+use super::affine::{Span, span};
 use super::frame::{FLOOR_THICKNESS, Frame, stated_frame};
-use super::obb::minimal_box;
+use super::hull::{Hull, hull_in};
+use super::moments::skewness;
+use super::obb::{minimal_box, minimal_box_of};
 use super::surface::{Samples, measure, sample_cloud, sample_mesh};
-use super::{Boxed, Vec3};
+use super::ties::settled;
 
 /// One part as it comes in.
 #[derive(Debug, Clone)]
@@ -41,36 +46,72 @@ pub struct PartGeometry {
 /// also sets the floor of thin extents.
 #[must_use]
 pub fn object_geometry(parts: &[PartShape], samples: usize, seed: u64) -> (Vec<PartGeometry>, f64) {
-    let boxed: Vec<(Boxed, Surface)> = parts
-        .par_iter()
-        .enumerate()
-        .map(|(i, part)| (minimal_box(&used_vertices(part)), surface(part, samples, seed, i as u64)))
-        .collect();
-    let corners: Vec<Vec3> = boxed.iter().flat_map(|(b, _)| b.corners.iter().copied()).collect();
-    let diagonal = match &boxed[..] {
-        [] => 0.0,
-        [(only, _)] => only.bounds.diagonal(),
-        _ => minimal_box(&corners).bounds.diagonal(),
+    // The parts with the most points take longest: they are begun first.
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(parts[i].vertices.len() + parts[i].faces.len()));
+    let hulls: Vec<(Span, Hull)> = in_order(&order, |i| {
+        let points = used_vertices(&parts[i]);
+        let found = span(&points);
+        (found, hull_in(&points, &found))
+    });
+    // The hull of the whole is that of the parts' hulls. Its box is one task among the parts' boxes, the first of them.
+    let whole = || match &hulls[..] {
+        [] | [_] => None,
+        _ => {
+            let corners: Vec<Vec3> = hulls.iter().flat_map(|(_, hull)| hull.vertices.iter().copied()).collect();
+            Some(minimal_box(&corners))
+        }
     };
+    let measured = || {
+        in_order(&order, |i| {
+            let (found, hull) = &hulls[i];
+            (minimal_box_of(hull, found), surface(&parts[i], samples, seed, i as u64))
+        })
+    };
+    let (whole, measured) = rayon::join(whole, measured);
+    let diagonal = whole.or(measured.first().map(|(bounds, _)| *bounds)).map_or(0.0, |bounds| bounds.diagonal());
     let diagonal = if diagonal > 0.0 { diagonal } else { 1.0 };
-    let measured = boxed
+    let area: f64 = measured.iter().map(|(_, surface)| surface.area).sum();
+    let share = |surface: &Surface| surface.area / area.max(f64::MIN_POSITIVE);
+    let middle = measured.iter().map(|(_, s)| s.centroid * share(s)).sum::<Vec3>();
+    let spread = measured.iter().map(|(_, s)| {
+        let offset = s.centroid - middle;
+        (s.covariance + offset * offset.transpose()) * share(s)
+    });
+    let spread = spread.sum::<Matrix3<f64>>();
+    let measured = measured
         .into_iter()
-        .map(|(found, surface)| PartGeometry {
-            frame: stated_frame(found.bounds, &surface.centroid, FLOOR_THICKNESS * diagonal),
-            area: surface.area,
-            volume: surface.volume,
-            hull_volume: found.hull_volume,
-            degenerate: surface.degenerate || found.dimension < 2,
-            samples: surface.samples,
+        .zip(hulls)
+        .zip(parts)
+        .map(|(((bounds, surface), (found, hull)), part)| {
+            let toward = if area > 0.0 { middle - bounds.center } else { Vec3::zeros() };
+            let bounds = settled(bounds, &hull.vertices, &toward, &spread);
+            let skewness = |origin: &Vec3, axis: &Vec3| skewness(&part.vertices, &part.faces, |i| i, origin, axis);
+            PartGeometry {
+                frame: stated_frame(bounds, &surface.centroid, &toward, FLOOR_THICKNESS * diagonal, skewness),
+                area: surface.area,
+                volume: surface.volume,
+                hull_volume: hull.volume(),
+                degenerate: surface.degenerate || found.dimension < 2,
+                samples: surface.samples,
+            }
         })
         .collect();
     (measured, diagonal)
+}
+
+/// Compute a value for every index, in parallel, beginning in the given order.
+fn in_order<T: Send>(order: &[usize], compute: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut found: Vec<(usize, T)> = order.par_iter().with_max_len(1).map(|&i| (i, compute(i))).collect();
+    found.sort_unstable_by_key(|(i, _)| *i);
+    found.into_iter().map(|(_, value)| value).collect()
 }
 
 struct Surface {
     area: f64,
     volume: f64,
     centroid: Vec3,
+    covariance: Matrix3<f64>,
     degenerate: bool,
     samples: Samples,
 }
@@ -99,10 +140,18 @@ fn surface(part: &PartShape, count: usize, seed: u64, stream: u64) -> Surface {
             area: measured.area,
             volume: measured.volume,
             centroid: measured.centroid,
+            covariance: measured.covariance,
             degenerate: empty,
             samples,
         };
     }
     let (samples, area) = sample_cloud(&part.vertices, &part.normals, count, seed, stream);
-    Surface { area, volume: 0.0, centroid: measured.centroid, degenerate: !part.faces.is_empty(), samples }
+    Surface {
+        area,
+        volume: 0.0,
+        centroid: measured.centroid,
+        covariance: measured.covariance,
+        degenerate: !part.faces.is_empty(),
+        samples,
+    }
 }

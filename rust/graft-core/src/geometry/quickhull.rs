@@ -12,8 +12,19 @@ use super::Vec3;
 /// can happen. It grows with the product of two sides over the face's doubled area.
 const HEIGHT_ERROR: f64 = 8e-15;
 
+/// Faces whose heights are known to better than this count as seen by a point in their plane: joined to its side, they
+/// leave no face between three corners on a line.
+const IN_PLANE: f64 = 1e-12;
+
+/// What a corner may rise above a neighbouring face.
+const CONVEX: f64 = 1e-9;
+
 /// Volume below which the first tetrahedron is flat.
 const FLAT: f64 = 1e-13;
+
+/// A point less than this above every face, points filling about the unit cube, is no corner: rounding leaves the points
+/// of a flat side that much apart, and a hull that has them all as corners has slivers for faces.
+const ON_FACE: f64 = 1e-10;
 
 const NONE: u32 = u32::MAX;
 
@@ -23,7 +34,7 @@ struct Face {
     across: [u32; 3],
     normal: Vec3,
     offset: f64,
-    /// Heights below this are decided exactly.
+    /// Heights below this are rounding, or, where it is large, decided exactly.
     doubt: f64,
     /// Points above this face and no earlier one, the farthest last.
     above: Vec<u32>,
@@ -38,15 +49,20 @@ impl Face {
         self.normal.dot(p) - self.offset
     }
 
-    /// The height of a point that is above the face, strictly; None for others.
-    fn above(&self, points: &[Vec3], p: &Vec3) -> Option<f64> {
+    /// Whether a point is above the face or, where that counts, in its plane.
+    fn seen_from(&self, points: &[Vec3], p: &Vec3, coplanar: bool) -> bool {
         let height = self.height(p);
         if height.abs() > self.doubt {
-            return (height > 0.0).then_some(height);
+            return height > 0.0;
         }
+        if coplanar { self.doubt <= IN_PLANE || self.side(points, p) >= 0.0 } else { self.side(points, p) > 0.0 }
+    }
+
+    /// Positive above the face, negative below, 0 in its plane, exactly.
+    fn side(&self, points: &[Vec3], p: &Vec3) -> f64 {
         let coord = |p: &Vec3| Coord3D { x: p.x, y: p.y, z: p.z };
         let [a, b, c] = self.corners.map(|i| coord(&points[i as usize]));
-        (orient3d(a, b, c, coord(p)) < 0.0).then_some(height.max(0.0))
+        -orient3d(a, b, c, coord(p))
     }
 
     fn take(&mut self, point: u32, height: f64) {
@@ -67,7 +83,8 @@ fn face(points: &[Vec3], corners: [u32; 3]) -> Face {
     let size = cross.norm();
     let normal = if size > 0.0 { cross / size } else { Vec3::zeros() };
     let offset = normal.dot(&(a + b + c)) / 3.0;
-    let doubt = if size > 0.0 { HEIGHT_ERROR * (1.0 + ab.norm() * ac.norm() / size) } else { f64::INFINITY };
+    let doubt =
+        if size > 0.0 { (HEIGHT_ERROR * (1.0 + ab.norm() * ac.norm() / size)).max(IN_PLANE) } else { f64::INFINITY };
     Face {
         corners,
         across: [NONE; 3],
@@ -83,9 +100,10 @@ fn face(points: &[Vec3], corners: [u32; 3]) -> Face {
 
 /// Return the outward triangles of the hull, starting from the tetrahedron of four of the points.
 ///
-/// None when rounding led to a surface that is not closed or not convex.
+/// With `coplanar`, a point sees the faces in whose planes it lies, which leaves fewer and better faces but can give a
+/// horizon that touches itself. None when the surface is not closed or not convex.
 #[must_use]
-pub fn quickhull(points: &[Vec3], tetrahedron: [usize; 4]) -> Option<Vec<[u32; 3]>> {
+pub fn quickhull(points: &[Vec3], tetrahedron: [usize; 4], coplanar: bool) -> Option<Vec<[u32; 3]>> {
     let mut faces = first_faces(points, tetrahedron)?;
     for (i, p) in points.iter().enumerate() {
         assign(points, &mut faces, 0, i as u32, p);
@@ -114,7 +132,7 @@ pub fn quickhull(points: &[Vec3], tetrahedron: [usize; 4]) -> Option<Vec<[u32; 3
             for k in 0..3 {
                 let other = faces[here as usize].across[k];
                 let beyond = &mut faces[other as usize];
-                if beyond.visited != step && beyond.above(points, &place).is_some() {
+                if beyond.visited != step && beyond.seen_from(points, &place, coplanar) {
                     beyond.visited = step;
                     visible.push(other);
                 }
@@ -184,11 +202,13 @@ fn first_faces(points: &[Vec3], [a, b, c, d]: [usize; 4]) -> Option<Vec<Face>> {
     Some(faces)
 }
 
-/// Give a point to the first face from `first` on that it is above.
+/// Give a point to the first face from `first` on that it is above, by more than what flat sides vary by.
 fn assign(points: &[Vec3], faces: &mut [Face], first: usize, point: u32, place: &Vec3) {
     for f in &mut faces[first..] {
-        if let Some(height) = f.above(points, place) {
-            f.take(point, height);
+        let height = f.height(place);
+        // Heights above slivers are doubtful, however large.
+        if height > ON_FACE.max(f.doubt) || (f.doubt > ON_FACE && height > -f.doubt && f.side(points, place) > 0.0) {
+            f.take(point, height.max(0.0));
             return;
         }
     }
@@ -200,7 +220,7 @@ fn convex_faces(points: &[Vec3], faces: &[Face]) -> Option<Vec<[u32; 3]>> {
     for f in faces.iter().filter(|f| f.alive) {
         for other in f.across {
             let beyond = faces.get(other as usize).filter(|o| o.alive)?;
-            let rises = |c: &u32| !f.corners.contains(c) && f.above(points, &points[*c as usize]).is_some();
+            let rises = |c: &u32| !f.corners.contains(c) && f.height(&points[*c as usize]) > CONVEX.max(f.doubt);
             if beyond.corners.iter().any(rises) {
                 return None;
             }

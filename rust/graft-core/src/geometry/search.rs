@@ -1,7 +1,7 @@
 //! The polyhedron that the search for the minimal box walks on: neighbours across edges, silhouettes, lower bounds.
 
 use super::Vec3;
-use super::hull::{Hull, convex_hull};
+use super::hull::{Hull, convex_hull, neighbours};
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
 
 /// A face is seen when its normal leans towards the viewer by more than this; faces on edge count as unseen together,
@@ -10,6 +10,9 @@ const SEEN: f64 = 1e-9;
 
 /// A silhouette that misses an extreme corner by more than this share of the extent went around the wrong loop.
 const LOOP_TOLERANCE: f64 = 1e-6;
+
+/// A face lower than this share of its longest side has a normal made of rounding errors.
+const SLIVER: f64 = 1e-7;
 
 /// A candidate: the volume of a box and its axes, right-handed.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +29,7 @@ pub struct Polyhedron {
     pub vertices: Vec<Vec3>,
     /// Triangles.
     pub faces: Vec<[u32; 3]>,
-    /// Outward unit normals, those of slivers being zero.
+    /// Outward unit normals; slivers have that of the face along their longest side.
     pub normals: Vec<Vec3>,
     /// Face areas.
     areas: Vec<f64>,
@@ -46,6 +49,8 @@ pub struct Workspace {
     polygon: Vec<Vec2>,
     /// Where the last searches for extreme corners ended, by direction.
     feet: [usize; 6],
+    /// The same for the checks of outlines.
+    reaches: [usize; 4],
 }
 
 /// Return how far `points` reach along a direction.
@@ -71,6 +76,14 @@ pub fn plane_axes(n: &Vec3) -> (Vec3, Vec3) {
     (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
+impl Workspace {
+    /// The corners on which the box of the last [`Polyhedron::box_volume`] stands: low and high along each axis.
+    #[must_use]
+    pub fn feet(&self) -> [usize; 6] {
+        self.feet
+    }
+}
+
 impl Polyhedron {
     /// Prepare a hull with faces.
     #[must_use]
@@ -83,9 +96,29 @@ impl Polyhedron {
                 (b - a).cross(&(c - a))
             })
             .collect();
-        let normals = area_vectors.iter().map(|a| a.try_normalize(1e-300).unwrap_or_default()).collect();
+        let mut normals: Vec<Vec3> = area_vectors.iter().map(|a| a.try_normalize(1e-300).unwrap_or_default()).collect();
         let areas = area_vectors.iter().map(|a| a.norm() / 2.0).collect();
         let (across, closed) = neighbours(&faces);
+        if closed {
+            let sides =
+                |f: usize| [0, 1, 2].map(|k| vertices[faces[f][(k + 1) % 3] as usize] - vertices[faces[f][k] as usize]);
+            let longest = |f: usize| {
+                let sides = sides(f).map(|s| s.norm_squared());
+                (0..3).fold(0, |l, k| if sides[k] > sides[l] { k } else { l })
+            };
+            let sliver = |f: usize| area_vectors[f].norm() < SLIVER * sides(f)[longest(f)].norm_squared();
+            for f in (0..faces.len()).filter(|&f| sliver(f)) {
+                let mut wide = f;
+                // Slivers may lie side by side; a ring of nothing else is not a solid.
+                for _ in 0..faces.len() {
+                    wide = across[3 * wide + longest(wide)] as usize / 3;
+                    if !sliver(wide) {
+                        normals[f] = normals[wide];
+                        break;
+                    }
+                }
+            }
+        }
         let (ring, ring_start) = rings(&faces, vertices.len());
         Self { vertices, faces, normals, areas, ring, ring_start, across, closed }
     }
@@ -129,6 +162,11 @@ impl Polyhedron {
         &self.ring[self.ring_start[corner] as usize..self.ring_start[corner + 1] as usize]
     }
 
+    /// The edges that start at a corner.
+    pub fn edges_at(&self, corner: usize) -> impl Iterator<Item = Vec3> + '_ {
+        self.ring_of(corner).iter().map(move |&(other, _)| self.vertices[other as usize] - self.vertices[corner])
+    }
+
     /// How far the polyhedron reaches along a direction; `low` and `high` are where the search starts and ends.
     fn reach(&self, direction: &Vec3, low: &mut usize, high: &mut usize) -> f64 {
         *high = self.support(direction, *high);
@@ -148,6 +186,8 @@ impl Polyhedron {
 
     /// The smallest box that has `normal` as an axis.
     pub fn best_about(&self, normal: &Vec3, work: &mut Workspace) -> Option<Candidate> {
+        // An axis that is found from an axis, again and again, would drift away from unit length.
+        let normal = &normal.normalize();
         let (u, v) = plane_axes(normal);
         let [mut low, mut high, ..] = work.feet;
         let height = self.reach(normal, &mut low, &mut high);
@@ -157,7 +197,7 @@ impl Polyhedron {
             work.outline.extend(self.vertices.iter().map(|p| Vec2::new(p.dot(&u), p.dot(&v))));
             planar_hull(&mut work.outline, &mut work.polygon);
         }
-        let found = minimal_rectangle(&work.polygon)?;
+        let found = minimal_rectangle(&mut work.polygon)?;
         let x = u * found.side.x + v * found.side.y;
         let axes = [x, normal.cross(&x), *normal];
         // Where rounding led the calipers astray, their rectangle is too small; what the box needs decides.
@@ -171,9 +211,15 @@ impl Polyhedron {
     fn walk_silhouette(&self, normal: &Vec3, u: &Vec3, v: &Vec3, work: &mut Workspace) -> bool {
         let seen = |edge: usize| self.normals[edge / 3].dot(normal) > SEEN;
         let across = |edge: usize| self.across[edge] as usize;
-        let [.., mut left, mut right] = work.feet;
-        let width = self.reach(u, &mut left, &mut right);
-        [work.feet[4], work.feet[5]] = [left, right];
+        // The outline's extreme corners in four directions.
+        let directions = [*u, *v];
+        let mut widths = [0.0; 2];
+        for (k, direction) in directions.iter().enumerate() {
+            let [mut left, mut right] = [work.reaches[2 * k], work.reaches[2 * k + 1]];
+            widths[k] = self.reach(direction, &mut left, &mut right);
+            [work.reaches[2 * k], work.reaches[2 * k + 1]] = [left, right];
+        }
+        let right = work.reaches[1];
         let leaving = |&(_, edge): &(u32, u32)| seen(edge as usize) && !seen(across(edge as usize));
         let Some(&(_, start)) = self.ring_of(right).iter().find(|e| leaving(e)) else { return false };
         let start = start as usize;
@@ -194,10 +240,11 @@ impl Polyhedron {
                 }
             }
             if edge == start {
-                let found = work.outline.iter().fold((f64::INFINITY, f64::NEG_INFINITY, 0.0f64, 0.0f64), |f, p| {
-                    (f.0.min(p.x), f.1.max(p.x), f.2.min(p.y), f.3.max(p.y))
+                let whole = [Vec2::x(), Vec2::y()].iter().zip(widths).all(|(direction, width)| {
+                    let along = work.outline.iter().map(|p| p.dot(direction));
+                    let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                    high - low >= width * (1.0 - LOOP_TOLERANCE)
                 });
-                let whole = found.1 - found.0 >= width * (1.0 - LOOP_TOLERANCE);
                 return whole && convex_loop(&mut work.outline, &mut work.polygon);
             }
         }
@@ -230,30 +277,9 @@ fn next_in_face(edge: usize) -> usize {
     if edge % 3 == 2 { edge - 2 } else { edge + 1 }
 }
 
-/// Pair the half-edges of a triangle mesh.
-fn neighbours(faces: &[[u32; 3]]) -> (Vec<u32>, bool) {
-    let mut keyed: Vec<(u64, u32)> = faces
-        .iter()
-        .enumerate()
-        .flat_map(|(f, c)| {
-            (0..3).map(move |k| {
-                let (a, b) = (u64::from(c[k]), u64::from(c[(k + 1) % 3]));
-                ((a.min(b) << 32) | a.max(b), (3 * f + k) as u32)
-            })
-        })
-        .collect();
-    keyed.sort_unstable();
-    let mut across = vec![0; keyed.len()];
-    let mut closed = !faces.is_empty() && keyed.len().is_multiple_of(2);
-    for pair in keyed.chunks_exact(2) {
-        closed &= pair[0].0 == pair[1].0;
-        across[pair[0].1 as usize] = pair[1].1;
-        across[pair[1].1 as usize] = pair[0].1;
-    }
-    (across, closed)
-}
-
 /// Copy an almost convex counter-clockwise loop without the corners at which it fails to turn left.
+///
+/// A loop that turns back on itself, as around slivers, has its hull taken instead.
 fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
     polygon.clear();
     if outline.len() < 3 {
@@ -274,6 +300,13 @@ fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
         polygon.push(p);
     }
     polygon.pop();
+    // A chain that turns left everywhere is convex if it goes right once and then left once.
+    let rightmost = polygon.iter().enumerate().fold(0, |r, (i, p)| if p.x > polygon[r].x { i } else { r });
+    let convex =
+        polygon[..=rightmost].is_sorted_by(|a, b| a.x <= b.x) && polygon[rightmost..].is_sorted_by(|a, b| a.x >= b.x);
+    if !convex {
+        planar_hull(outline, polygon);
+    }
     polygon.len() >= 3
 }
 
@@ -306,6 +339,12 @@ impl Coarse {
         let points: Vec<Vec3> = chosen.iter().map(|&k| hull.vertices[k]).collect();
         let inner = convex_hull(&points);
         (!inner.faces.is_empty()).then(|| Self { shape: Polyhedron::new(inner) })
+    }
+
+    /// The polyhedron.
+    #[must_use]
+    pub fn shape(&self) -> &Polyhedron {
+        &self.shape
     }
 
     /// A number that no box about the hull with `normal` as an axis is smaller than: height times shadow.

@@ -1,10 +1,12 @@
 //! Surfaces: area, volume, centroid, samples with normals; of meshes and of point clouds.
 
+use nalgebra::Matrix3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::Vec3;
 use super::affine::any_normal;
+use super::moments::{Moments, surface_moments};
 
 /// Neighbours by whose plane a cloud's normal and by whose disk its area are estimated.
 const NEIGHBOURS: usize = 16;
@@ -12,7 +14,7 @@ const NEIGHBOURS: usize = 16;
 /// Normals are estimated from at most this many points of a cloud, evenly strided; more only cost time.
 const CLOUD_CAP: usize = 16_384;
 
-/// Area, volume and centroid of a surface.
+/// Area, volume, centroid and covariance of a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Measure {
     /// Surface area.
@@ -21,6 +23,8 @@ pub struct Measure {
     pub volume: f64,
     /// Centroid of the surface.
     pub centroid: Vec3,
+    /// Covariance of the surface about it.
+    pub covariance: Matrix3<f64>,
 }
 
 /// Surface samples.
@@ -40,21 +44,15 @@ fn mean(points: &[Vec3]) -> Vec3 {
     points.iter().sum::<Vec3>() / points.len() as f64
 }
 
-/// Measure a mesh; a mesh without area has its vertices' mean as centroid.
+/// Measure a mesh; a mesh without area has its vertices' mean and covariance.
 #[must_use]
 pub fn measure(vertices: &[Vec3], faces: &[[usize; 3]]) -> Measure {
-    let origin = vertices[0];
-    let (mut area, mut volume, mut moment) = (0.0, 0.0, Vec3::zeros());
-    for &face in faces {
-        let [a, b, c] = corners(vertices, face).map(|p| p - origin);
-        let twice = (b - a).cross(&(c - a));
-        let share = twice.norm() / 2.0;
-        area += share;
-        moment += (a + b + c) * (share / 3.0);
-        volume += a.dot(&twice) / 6.0;
-    }
-    let centroid = if area > 0.0 { origin + moment / area } else { mean(vertices) };
-    Measure { area, volume, centroid }
+    let Moments { area, centroid, covariance } = surface_moments(vertices, faces, |i| i);
+    let six_volumes = faces.iter().map(|&face| {
+        let [a, b, c] = corners(vertices, face).map(|p| p - centroid);
+        a.dot(&b.cross(&c))
+    });
+    Measure { area, volume: six_volumes.sum::<f64>() / 6.0, centroid, covariance }
 }
 
 /// Whether every directed edge is met once in each direction.
@@ -155,7 +153,7 @@ fn neighbourhood(cloud: &[Vec3], p: &Vec3, centroid: &Vec3, near: &mut Vec<(f64,
     let disk = std::f64::consts::PI * near[k - 1].0 / k as f64;
     let middle = near[..k].iter().map(|n| cloud[n.1]).sum::<Vec3>() / k as f64;
     let size = near[k - 1].0.max(f64::MIN_POSITIVE);
-    let mut covariance = nalgebra::Matrix3::zeros();
+    let mut covariance = Matrix3::zeros();
     for (_, i) in &near[..k] {
         let d = cloud[*i] - middle;
         covariance += d * d.transpose() / size;
