@@ -21,7 +21,7 @@ from graft.library import Library
 from graft.objects import Demonstration, PartObject
 from graft.viz import save_glb, save_scene, save_sheet
 
-VOTERS = 5
+VOTERS = 10
 """How many matches vote on each target."""
 
 Progress = Callable[[str, int, int], None]

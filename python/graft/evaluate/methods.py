@@ -103,7 +103,7 @@ class Solver(Protocol):
         ...
 
 
-VOTERS = 5
+VOTERS = 10
 """How many matches vote, as in the demo."""
 
 Landing = Literal["codes", "projected", "unaligned"]
