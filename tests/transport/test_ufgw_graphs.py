@@ -8,7 +8,7 @@ import pytest
 from graft.errors import InputError
 from graft.graph import PartFlag, PartGraph
 from graft.objects import Part, PartObject
-from graft.transport import UFGW, matched_part, ufgw
+from graft.transport import UFGW, claim, matched_part, ufgw
 
 
 def make_graph(seed, n, descriptors=True, diagonal=2.0):
@@ -125,7 +125,9 @@ def test_an_object_suits_itself_best():
 
 def test_the_debiased_cost_is_nearly_nothing_for_an_object_and_itself():
     target = make_graph(1, 5)
-    solver = UFGW(cost="debiased", em_rate=None, saliency=1.0, eps=0.01, part_weight=0.0, doubt_weight=0.0, rival_weight=0.0)
+    solver = UFGW(
+        cost="debiased", em_rate=None, saliency=1.0, eps=0.01, part_weight=0.0, doubt_weight=0.0, rival_weight=0.0
+    )
     same, other = solver.batch([target, make_graph(2, 5)], [0, 0], target)
     assert abs(same.cost) < 0.1 * other.cost
 

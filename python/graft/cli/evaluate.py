@@ -29,7 +29,17 @@ from graft.evaluate.diversity import Diversity, diversity, retrieving_methods
 from graft.evaluate.intervals import Estimate
 from graft.evaluate.methods import Graft, Method
 from graft.evaluate.protocols import Benchmark, Posing, from_objects, load_objects, paper
-from graft.evaluate.report import QUOTED, Summary, by_category, coverage_curve, document, effects, summarise
+from graft.evaluate.report import (
+    QUOTED,
+    Summary,
+    by_category,
+    calibration_error,
+    coverage_area,
+    coverage_curve,
+    document,
+    effects,
+    summarise,
+)
 from graft.evaluate.rows import Row
 from graft.evaluate.runner import Progress, build_graphs, evaluate
 from graft.viz import save_scene, save_sheet
@@ -229,9 +239,13 @@ def _print_affordance(console: Console, rows: Sequence[Row], k: int, seed: int, 
             _print_summaries(console, summaries, k, quoted=False)
     if not image_methods():
         console.print("image retrieval is left out: it needs pip install 'graft-robotics[vision]'")
-    curve = coverage_curve([row for row in rows if row.method == Graft().name])
+    ours = [row for row in rows if row.method == Graft().name]
+    curve, (area, most) = coverage_curve(ours), coverage_area(ours)
     console.print("\ngraft's part accuracy when only the surest answers are given:")
     console.print("  ".join(f"{coverage:.0%} {accuracy:.2f}" for coverage, accuracy in curve))
+    error = calibration_error(ours)
+    told = "" if error is None else f"; mean squared difference of confidence and being right {error:.3f}"
+    console.print(f"area under the curve {area:.3f}, at most {most:.3f}{told}")
 
 
 def _print_ablation(console: Console, rows: Sequence[Row], k: int, seed: int) -> None:

@@ -3,7 +3,7 @@
 `ufgw` and `ufgw_batch` take plain matrices; `UFGW` takes part graphs.
 """
 
-from graft.transport.graphs import UFGW, matched_part, part_shares
+from graft.transport.graphs import UFGW, claim, matched_part, part_shares
 from graft.transport.solver import TERMS, Transport, ufgw, ufgw_batch
 
-__all__ = ["TERMS", "UFGW", "Transport", "matched_part", "part_shares", "ufgw", "ufgw_batch"]
+__all__ = ["TERMS", "UFGW", "Transport", "claim", "matched_part", "part_shares", "ufgw", "ufgw_batch"]
