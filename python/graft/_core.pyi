@@ -237,6 +237,7 @@ def rank_graphs(
     variant: str,
     part_weight: float,
     doubt_weight: float,
+    rival_weight: float,
     k: int,
     prune: bool,
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], int]: ...

@@ -12,8 +12,9 @@ from rich.table import Table
 
 from graft.cli import EXIT_OK
 from graft.cli.options import Loading, LoadingFlags, Matching, MatchingFlags, check_outputs, print_json, write_outputs
-from graft.contact import TransferredContact, agree, transfer_contact
+from graft.contact import VOTERS, TransferredContact, agree, transfer_contact
 from graft.documents import transfer_document
+from graft.errors import InputError
 from graft.library import Library
 
 
@@ -36,10 +37,13 @@ class TransferCommand:
 
     def run(self) -> int:
         """Retrieve, transfer, print, draw; returns the exit code."""
+        if self.k < 1:
+            raise InputError(f"-k: expected at least 1, got {self.k}")
         check_outputs(self.out)
         library = Library.open(self.library, solver=self.matching.solver(), descriptor=self.matching.described())
         target = self.loading.load(self.target)
-        results = agree([transfer_contact(found) for found in library.retrieve(target, k=self.k)])
+        matches = library.retrieve(target, k=max(self.k, VOTERS))
+        results = agree([transfer_contact(match) for match in matches])[: self.k]
         if self.json:
             print_json({"target": target.name, "matches": [transfer_document(r) for r in results]})
         else:

@@ -4,7 +4,7 @@
 """
 
 from graft.transport.gradients import Gradients, ufgw_gradients
-from graft.transport.graphs import UFGW, matched_part, part_shares
+from graft.transport.graphs import UFGW, claim, matched_part, part_shares
 from graft.transport.packed import PackedGraphs, Ranked
 from graft.transport.pairs import Pairs
 from graft.transport.result import TERMS, Transport, Transports
@@ -19,6 +19,7 @@ __all__ = [
     "Ranked",
     "Transport",
     "Transports",
+    "claim",
     "matched_part",
     "part_shares",
     "ufgw",

@@ -168,7 +168,7 @@ class PackedGraphs:
                 entropy=solver.entropy, em_rate=solver.em_rate, tol=solver.tol, max_outer=solver.max_outer,
                 lambda_obb=solver.lambda_obb, lambda_global=solver.lambda_global,
                 lambda_relation=solver.lambda_relation, variant=solver.variant, part_weight=solver.part_weight,
-                doubt_weight=solver.doubt_weight, k=k, prune=prune,
+                doubt_weight=solver.doubt_weight, rival_weight=solver.rival_weight, k=k, prune=prune,
             )  # fmt: skip
         except ValueError as error:
             raise InputError(str(error)) from None

@@ -21,7 +21,7 @@ type Best<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, usize);
 #[pyo3(signature = (offsets, parts, extents, relations, descriptors, structures, masses, hot_extents, hot_features,
     hot_masses, target_extents, target_relations, target_descriptors, target_structure, target_prior, *, alpha, tau_s,
     tau_t, eps, loss, entropy, em_rate, tol, max_outer, lambda_obb, lambda_global, lambda_relation, variant, part_weight,
-    doubt_weight, k, prune))]
+    doubt_weight, rival_weight, k, prune))]
 #[allow(clippy::too_many_arguments)]
 pub fn rank_graphs<'py>(
     py: Python<'py>,
@@ -55,6 +55,7 @@ pub fn rank_graphs<'py>(
     variant: &str,
     part_weight: f64,
     doubt_weight: f64,
+    rival_weight: f64,
     k: usize,
     prune: bool,
 ) -> PyResult<Best<'py>> {
@@ -64,6 +65,7 @@ pub fn rank_graphs<'py>(
         feature: FeatureCost { lambda_obb, lambda_global, lambda_relation, variant },
         part_weight,
         doubt_weight,
+        rival_weight,
     };
     let library = Library {
         offsets: slice("offsets", &offsets)?,

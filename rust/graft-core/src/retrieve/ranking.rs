@@ -3,7 +3,7 @@
 use crate::transport::feature::FeatureCost;
 use crate::transport::{Options, Solution};
 
-/// Shares below this count as this in the doubt about the demonstrated part.
+/// Shares and claims below this count as this in the terms about the demonstrated part.
 const SMALLEST_SHARE: f64 = 1e-9;
 
 /// What a match costs.
@@ -17,6 +17,8 @@ pub struct Ranking {
     pub part_weight: f64,
     /// Weight of -log of its share.
     pub doubt_weight: f64,
+    /// Weight of -log of its claim, its share of what the part that it goes to receives.
+    pub rival_weight: f64,
 }
 
 impl Ranking {
@@ -39,7 +41,11 @@ impl Ranking {
         let received = |j: usize| solution.plan.iter().skip(j).step_by(m).sum::<f64>();
         let value = |j: usize| if total > 0.0 { shares[j] } else { received(j) };
         let goal = (1..m).fold(0, |goal, j| if value(j) > value(goal) { j } else { goal });
+        let all = received(goal);
+        let claim = if all > 0.0 { row[goal] / all } else { 0.0 };
         let own = self.part_weight * features[part * m + goal];
-        sharp + own - self.doubt_weight * shares[goal].max(SMALLEST_SHARE).ln()
+        let doubt = -self.doubt_weight * shares[goal].max(SMALLEST_SHARE).ln();
+        let rivals = -self.rival_weight * claim.max(SMALLEST_SHARE).ln();
+        sharp + own + doubt + rivals
     }
 }
