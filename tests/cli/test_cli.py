@@ -14,9 +14,9 @@ HELP_MODULES = ("numpy", "trimesh", "tyro", "mujoco", "viser", "scipy", "rich")
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     root = tmp_path_factory.mktemp("cli")
-    save_object(zoo.make("kettle"), root / "kettle.glb")
+    save_object(root / "kettle.glb", zoo.make("kettle"))
     for category in zoo.demonstrated():
-        save_demonstration(zoo.demonstration(category), root / "demos" / category)
+        save_demonstration(root / "demos" / category, zoo.demonstration(category))
     return root
 
 
