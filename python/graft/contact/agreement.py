@@ -15,8 +15,8 @@ from graft.contact.transfer import COST_SCALE, TransferredContact
 from graft.errors import InputError
 
 VOTE_SCALE = 0.1
-"""A match whose cost is higher than the best one's by this speaks 1/e as loud. Over the development objects votes at 0.03
-to 0.1 are never worse than the best match alone; the more so, the larger the library."""
+"""A match whose cost is higher than the best one's by this speaks 1/e as loud. Over the development objects votes at
+0.03 to 0.1 are never worse than the best match alone; the more so, the larger the library."""
 
 
 def agree(transfers: Sequence[TransferredContact]) -> list[TransferredContact]:
