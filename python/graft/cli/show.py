@@ -56,7 +56,7 @@ def _print_parts(obj: PartObject, graph: PartGraph) -> None:
     console = stdout_console()
     scale = obj.scale_to_metres
     size = "unknown scale" if scale is None else f"{graph.diagonal * scale * 100:.4g} cm across"
-    up = "none" if obj.up is None else " ".join(f"{x:g}" for x in obj.up)
+    up = "none" if obj.up is None else " ".join(f"{round(x, 4) + 0.0:g}" for x in obj.up)
     console.print(
         f"[bold]{shown(obj.name)}[/]  {shown(obj.category or 'no category')}, {size}, up {up}, {obj.n_faces} faces"
     )

@@ -8,10 +8,11 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
+from graft.checks import UNIT_TOLERANCE
 from graft.errors import InputError
 from graft.io.arrays import Array, read_npy, read_npz
 from graft.io.guards import contained, read_json, read_text
-from graft.objects import UNIT_TOLERANCE, Ints
+from graft.objects import Ints
 
 LABEL_SUFFIXES = (".seg", ".npy", ".npz")
 """Of label files: one number per line, an array, or an archive with an array called labels."""
