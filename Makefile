@@ -44,7 +44,7 @@ wheel: $(VENV)/.dev  ## Build the wheel into dist/
 	$(BIN)/maturin build --release --out dist
 
 clean:  ## Remove everything that was built
-	rm -rf $(VENV) target dist out docs/_build
+	rm -rf $(VENV) target dist out docs/_build docs/examples docs/sg_execution_times.rst
 
 # --- set-up -----------------------------------------------------------------------------------------------------
 

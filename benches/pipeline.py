@@ -55,7 +55,7 @@ def main():
             paths = []
             for category in zoo.unseen():
                 paths.append(Path(scratch) / f"{category}.glb")
-                graft.save_object(zoo.make(category), paths[-1])
+                graft.save_object(paths[-1], zoo.make(category))
         else:
             paths = sorted(path.parent for path in folder.glob("*/object.json"))
         found = [stages(path, library) for path in paths]

@@ -1,6 +1,11 @@
 """Sphinx configuration; `make docs` builds with warnings as errors."""
 
+import sys
+from pathlib import Path
+
 from graft import __version__
+
+sys.path.insert(0, str(Path(__file__).parent))  # pictures.py
 
 project = "graft"
 author = "The graft developers"
@@ -18,6 +23,7 @@ myst_heading_anchors = 3
 exclude_patterns = ["_build", "examples/*.ipynb", "examples/*.py", "examples/*.md5", "examples/*.json"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
 autodoc_default_options = {"members": True, "exclude-members": "__init__, __new__"}
 napoleon_use_ivar = True
 sphinx_gallery_conf = {
@@ -29,6 +35,7 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "show_memory": False,
     "abort_on_example_error": True,
+    "image_scrapers": ("pictures",),
 }
 html_theme = "furo"
 html_title = "graft"

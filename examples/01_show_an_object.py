@@ -33,5 +33,6 @@ print("touching:", graph.adjacency.tolist())
 
 # %%
 # A picture needs no OpenGL.
-graft.save_views(folder / "hammer.png", hammer)
+picture = folder / "hammer.png"
+graft.save_views(picture, hammer)
 print("wrote", sorted(path.name for path in folder.iterdir()))

@@ -31,7 +31,9 @@ print(f"contact on the {part} at {result.contact.point.round(3)}, confidence {re
 print(result.transform.round(3))
 
 # %%
-# A page with both objects, parts coloured by the match. It needs no network.
-page = Path(tempfile.mkdtemp()) / "kettle.html"
+# A page with both objects, parts coloured by the match, needs no network. The same as a picture:
+folder = Path(tempfile.mkdtemp())
+page, picture = folder / "kettle.html", folder / "kettle.png"
+graft.save_sheet(picture, result)
 graft.save_scene(page, result)
 print(f"{page.name}: {page.stat().st_size / 1e6:.1f} MB")

@@ -31,7 +31,7 @@ print(demonstration.contact.point, demonstration.contact.normal)
 # %%
 # A demonstration is a folder with a GLB and a JSON file; a library is a folder of those.
 folder = Path(tempfile.mkdtemp())
-graft.save_demonstration(demonstration, folder / "my_mug")
+graft.save_demonstration(folder / "my_mug", demonstration)
 library = graft.Library.open(folder)
 
 # %%

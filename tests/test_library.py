@@ -81,3 +81,14 @@ def test_empty_libraries_and_repeated_names_are_errors(library, tmp_path):
         library.add(next(iter(library)))
     with pytest.raises(InputError, match="no demonstration"):
         Library.open(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["..", "../mug", "a/b", "a\\b", "a\nb"])
+def test_a_name_that_leads_out_of_the_folder_is_not_saved(tmp_path, name):
+    mug = zoo.demonstration("mug")
+    library = Library()
+    library.add(mug)
+    library.add(mark_contact(mug.object, mug.contact.part, mug.contact.point, name=name))
+    with pytest.raises(InputError, match="expected a name that can be a folder's"):
+        library.save(tmp_path / "library")
+    assert list(tmp_path.iterdir()) == []

@@ -16,7 +16,9 @@ from pathlib import Path
 from graft import zoo
 from graft.contact import VOTERS, TransferredContact, agree, transfer_contact
 from graft.documents import Document, transfer_document
+from graft.errors import InputError
 from graft.io import save_object
+from graft.io.atomic import write_whole
 from graft.library import Library
 from graft.objects import Demonstration, PartObject
 from graft.viz import save_glb, save_scene, save_sheet
@@ -76,7 +78,7 @@ def transfer_all(
 def _save_objects(objects: Sequence[PartObject], folder: Path) -> None:
     """Write every object as a GLB of its own."""
     for obj in objects:
-        save_object(obj, folder / f"{obj.name}.glb")
+        save_object(folder / f"{obj.name}.glb", obj)
 
 
 def demo_document(rows: Sequence[DemoRow], seed: int) -> Document:
@@ -106,7 +108,14 @@ def run_demo(
 
     Returns:
         One row per target, and what was written: name -> path.
+
+    Raises:
+        InputError: `out` is a file, or cannot be written.
+        MissingExtraError: The `demo` extra is not installed.
     """
+    if out.exists() and not out.is_dir():
+        raise InputError("expected a folder to write into, it is a file", path=out)
+    out.mkdir(parents=True, exist_ok=True)
     library = Library()
     shown = demonstrations(seed)
     for done, demonstration in enumerate(shown):
@@ -115,7 +124,6 @@ def run_demo(
     objects = targets(seed)
     rows = transfer_all(library, objects, progress)
 
-    out.mkdir(parents=True, exist_ok=True)
     written = {
         "picture": out / "contacts.png",
         "page": out / "scene.html",
@@ -131,7 +139,7 @@ def run_demo(
         ("model", lambda: save_glb(written["model"], transfers)),
         ("library", lambda: library.save(written["library"])),
         ("targets", lambda: _save_objects(objects, written["targets"])),
-        ("results", lambda: written["results"].write_text(json.dumps(demo_document(rows, seed), indent=1))),
+        ("results", lambda: write_whole(written["results"], json.dumps(demo_document(rows, seed), indent=1).encode())),
     ]
     for done, (name, draw) in enumerate(drawing):
         progress(f"writing the {name}", done, len(drawing))

@@ -5,6 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 
+def printable(text: str) -> str:
+    """Return text whose line breaks, control characters and undecodable bytes are spelled out."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 class GraftError(Exception):
     """Base of the errors that graft raises on purpose."""
 
@@ -18,8 +23,8 @@ class InputError(GraftError, ValueError):
 
     def __init__(self, message: str, *, path: str | Path | None = None) -> None:
         self.path = None if path is None else Path(path)
-        text = " ".join(message.split())
-        super().__init__(text if path is None else f"{path}: {text}")
+        text = printable(" ".join(message.split()))
+        super().__init__(text if path is None else f"{printable(str(path))}: {text}")
 
 
 class MissingExtraError(GraftError, ImportError):

@@ -115,9 +115,10 @@ def build_graph(
         descriptor: Describes the parts; None leaves descriptors out.
         samples: Surface samples of each part.
         seed: Of the samples; the same seed gives the same graph with any number of threads.
-        structure: Edge lengths between all pairs, l = x / (1 + x) with x = |c_i - c_j| + angle(a_i, a_j) / pi,
+        structure: Edge lengths between all pairs, ``l = x / (1 + x)`` with
+            ``x = norm(c_i - c_j) + angle(a_i, a_j) / pi``,
             or along the shortest path of adjacent parts.
-        unit: What |c_i - c_j| is measured in: the object's diagonal, or metres (needs `scale_to_metres`).
+        unit: What centres' distances are measured in: the object's diagonal, or metres (needs `scale_to_metres`).
         adjacency_gap: Boxes within this share of the diagonal are adjacent, where the object has no joints.
 
     Raises:

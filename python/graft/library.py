@@ -81,9 +81,16 @@ class Library:
         return library
 
     def save(self, folder: str | Path) -> None:
-        """Write every demonstration as a folder of its own (object.glb, demonstration.json) under `folder`."""
+        """Write every demonstration as a folder of its own (object.glb, demonstration.json) under `folder`.
+
+        Raises:
+            InputError: A name cannot be that of a folder (nothing is written then), or the system refuses.
+        """
+        for name in self._names:
+            if name in ("", ".", "..") or not name.isprintable() or set(name) & set("/\\"):
+                raise InputError(f"demonstration {name!r}: expected a name that can be a folder's", path=folder)
         for demonstration in self._demonstrations:
-            save_demonstration(demonstration, Path(folder) / demonstration.name)
+            save_demonstration(Path(folder) / demonstration.name, demonstration)
 
     def add(self, demonstration: Demonstration) -> None:
         """Add one demonstration.

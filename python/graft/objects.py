@@ -1,6 +1,6 @@
 """What flows through graft: parts, objects made of parts, contacts and demonstrations.
 
-Numpy only. Everything is frozen; arrays are converted to contiguous float64 or int64 once, here, and made read-only.
+Numpy only. Everything is frozen; arrays are converted to contiguous float64 or int64 once and made read-only.
 Lengths are in the object's own unit until they are multiplied by `PartObject.scale_to_metres`.
 """
 
@@ -11,68 +11,15 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from graft.checks import Floats as Floats
+from graft.checks import Ints as Ints
+from graft.checks import checked_array, is_rotation, similarity_scale, unit_vector
 from graft.errors import InputError
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 JointType = Literal["fixed", "hinge", "slide", "ball", "free", "planar"]
 JOINT_TYPES: tuple[str, ...] = ("fixed", "hinge", "slide", "ball", "free", "planar")
-
-UNIT_TOLERANCE = 1e-6
-"""A direction shorter than this has no direction."""
-
-ROTATION_TOLERANCE = 1e-5
-"""Columns of a rotation may be off unit length and right angles by this: single precision gives 1e-6."""
-
-
-def _array(name: str, value: ArrayLike, shape: tuple[int | None, ...], dtype: type = np.float64) -> Any:
-    """Return `value` as a read-only contiguous array, or raise `InputError` naming it.
-
-    None in `shape` means any length.
-    """
-    try:
-        array = np.asarray(value)
-        if dtype is np.int64 and array.size and not np.issubdtype(array.dtype, np.integer):
-            raise InputError(f"{name}: expected integers, got {array.dtype}")
-        array = np.array(array, dtype=dtype, order="C", copy=True)
-    except (TypeError, ValueError, OverflowError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{name}: expected an array of numbers, got {type(value).__name__} ({error})") from None
-    if array.size == 0 and len(shape) == 2 and shape[1] is not None:
-        array = array.reshape(0, shape[1])
-    if array.ndim != len(shape) or any(w is not None and w != g for w, g in zip(shape, array.shape, strict=True)):
-        want = ", ".join("n" if s is None else str(s) for s in shape)
-        raise InputError(f"{name}: expected shape ({want}), got {array.shape}")
-    if dtype is np.float64 and not np.isfinite(array).all():
-        where = np.argwhere(~np.isfinite(array))[0]
-        raise InputError(f"{name}: expected finite numbers, got {array[tuple(where)]} at {where.tolist()}")
-    array.setflags(write=False)
-    return array
-
-
-def _unit(name: str, value: ArrayLike) -> Floats:
-    """Return `value` (3,) as a read-only unit vector."""
-    vector: Floats = _array(name, value, (3,))
-    length = float(np.linalg.norm(vector))
-    if length < UNIT_TOLERANCE:
-        raise InputError(f"{name}: expected a direction, got the zero vector")
-    unit: Floats = vector / length
-    unit.setflags(write=False)
-    return unit
-
-
-def _scale(linear: Floats) -> float:
-    """Return by how much the linear part (3, 3) of a similarity stretches lengths."""
-    return float(np.linalg.norm(linear) / np.sqrt(3.0))
-
-
-def _is_rotation(matrix: Floats) -> bool:
-    """Whether (3, 3) is orthonormal to `ROTATION_TOLERANCE` and does not mirror."""
-    error = np.abs(matrix.T @ matrix - np.eye(3)).max()
-    return bool(error <= ROTATION_TOLERANCE and np.linalg.det(matrix) > 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,12 +46,14 @@ class Part:
         if not self.name:
             raise InputError("part name: expected a name, got an empty string")
         where = f"part {self.name!r}"
-        object.__setattr__(self, "vertices", _array(f"{where} vertices", self.vertices, (None, 3)))
-        object.__setattr__(self, "faces", _array(f"{where} faces", self.faces, (None, 3), np.int64))
+        object.__setattr__(self, "vertices", checked_array(f"{where} vertices", self.vertices, (None, 3)))
+        object.__setattr__(self, "faces", checked_array(f"{where} faces", self.faces, (None, 3), np.int64))
         if len(self.vertices) == 0:
             raise InputError(f"{where} vertices: expected at least one, got none")
         if self.normals is not None:
-            object.__setattr__(self, "normals", _array(f"{where} normals", self.normals, (len(self.vertices), 3)))
+            object.__setattr__(
+                self, "normals", checked_array(f"{where} normals", self.normals, (len(self.vertices), 3))
+            )
         if len(self.faces) and (self.faces.min() < 0 or self.faces.max() >= len(self.vertices)):
             row = int(np.argwhere((self.faces < 0) | (self.faces >= len(self.vertices)))[0][0])
             raise InputError(
@@ -154,9 +103,9 @@ class Joint:
         if self.kind not in JOINT_TYPES:
             raise InputError(f"{where} kind: expected one of {', '.join(JOINT_TYPES)}, got {self.kind!r}")
         if self.axis is not None:
-            object.__setattr__(self, "axis", _unit(f"{where} axis", self.axis))
+            object.__setattr__(self, "axis", unit_vector(f"{where} axis", self.axis))
         if self.origin is not None:
-            object.__setattr__(self, "origin", _array(f"{where} origin", self.origin, (3,)))
+            object.__setattr__(self, "origin", checked_array(f"{where} origin", self.origin, (3,)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +153,7 @@ class PartObject:
             self._check_part(f"{where} joint {joint.name!r} parent", joint.parent)
             self._check_part(f"{where} joint {joint.name!r} child", joint.child)
         if self.up is not None:
-            object.__setattr__(self, "up", _unit(f"{where} up", self.up))
+            object.__setattr__(self, "up", unit_vector(f"{where} up", self.up))
         scale = self.scale_to_metres
         if scale is not None and not (np.isfinite(scale) and scale > 0):
             raise InputError(f"{where} scale_to_metres: expected a positive number, got {scale}")
@@ -256,11 +205,11 @@ class PartObject:
         Raises:
             InputError: The matrix is not a similarity, or mirrors.
         """
-        matrix: Floats = _array("transform", transform, (4, 4))
+        matrix: Floats = checked_array("transform", transform, (4, 4))
         linear = matrix[:3, :3]
-        scale = _scale(linear)
+        scale = similarity_scale(linear)
         # The comparison is of the matrix over its scale: micrometres and megametres are judged alike.
-        if not 0 < scale < np.inf or not _is_rotation(linear / scale):
+        if not 0 < scale < np.inf or not is_rotation(linear / scale):
             raise InputError("transform: expected a rotation, a positive uniform scale and a translation")
 
         def joint(old: Joint) -> Joint:
@@ -296,16 +245,16 @@ class Contact:
     approach: Floats | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "point", _array("contact point", self.point, (3,)))
-        object.__setattr__(self, "normal", _unit("contact normal", self.normal))
+        object.__setattr__(self, "point", checked_array("contact point", self.point, (3,)))
+        object.__setattr__(self, "normal", unit_vector("contact normal", self.normal))
         if self.approach is not None:
-            object.__setattr__(self, "approach", _unit("contact approach", self.approach))
+            object.__setattr__(self, "approach", unit_vector("contact approach", self.approach))
 
     def transformed(self, transform: ArrayLike) -> Contact:
         """Return the contact moved by `transform` (4, 4), a similarity."""
-        matrix: Floats = _array("transform", transform, (4, 4))
+        matrix: Floats = checked_array("transform", transform, (4, 4))
         linear = matrix[:3, :3]
-        scale = _scale(linear)
+        scale = similarity_scale(linear)
         approach = None if self.approach is None else linear @ self.approach / scale
         normal = linear @ self.normal / scale
         return replace(self, point=linear @ self.point + matrix[:3, 3], normal=normal, approach=approach)

@@ -35,7 +35,7 @@ def demo(cup):
 
 
 def test_there_and_back(tmp_path, demo):
-    save_demonstration(demo, tmp_path / "lib" / "my_cup")
+    save_demonstration(tmp_path / "lib" / "my_cup", demo)
     back = load_demonstration(tmp_path / "lib" / "my_cup")
     assert back.name == "my_cup"
     assert back.metadata == {"task": "pour", "n": 3}
@@ -51,18 +51,18 @@ def test_there_and_back(tmp_path, demo):
 
 
 def test_saving_again_replaces_but_never_other_files(tmp_path, demo, cup):
-    save_demonstration(demo, tmp_path / "cup")
-    save_demonstration(mark_contact(cup, "body", name="other"), tmp_path / "cup")
+    save_demonstration(tmp_path / "cup", demo)
+    save_demonstration(tmp_path / "cup", mark_contact(cup, "body", name="other"))
     assert load_demonstration(tmp_path / "cup").name == "other"
     (tmp_path / "cup" / "notes.txt").write_text("mine")
     with pytest.raises(InputError, match=r"holds other files, nothing is written: notes.txt"):
-        save_demonstration(demo, tmp_path / "cup")
+        save_demonstration(tmp_path / "cup", demo)
     assert load_demonstration(tmp_path / "cup").name == "other"
     assert [p.name for p in tmp_path.iterdir()] == ["cup"]
 
 
 def test_nothing_is_left_behind_when_saving_fails(tmp_path, demo, monkeypatch):
-    save_demonstration(demo, tmp_path / "cup")
+    save_demonstration(tmp_path / "cup", demo)
     before = (tmp_path / "cup" / "object.glb").read_bytes()
 
     def full(*_):
@@ -70,9 +70,9 @@ def test_nothing_is_left_behind_when_saving_fails(tmp_path, demo, monkeypatch):
 
     monkeypatch.setattr("graft.io.demonstrations.write_whole", full)
     with pytest.raises(OSError, match="No space"):
-        save_demonstration(demo, tmp_path / "cup")
+        save_demonstration(tmp_path / "cup", demo)
     with pytest.raises(OSError, match="No space"):
-        save_demonstration(demo, tmp_path / "new")
+        save_demonstration(tmp_path / "new", demo)
     assert [p.name for p in tmp_path.iterdir()] == ["cup"]
     assert (tmp_path / "cup" / "object.glb").read_bytes() == before
 
@@ -80,7 +80,7 @@ def test_nothing_is_left_behind_when_saving_fails(tmp_path, demo, monkeypatch):
 def test_metadata_that_do_not_fit_json(tmp_path, cup):
     for value in (float("nan"), object()):
         with pytest.raises(InputError, match="metadata of 'object'"):
-            save_demonstration(mark_contact(cup, "body", metadata={"x": value}), tmp_path / "cup")
+            save_demonstration(tmp_path / "cup", mark_contact(cup, "body", metadata={"x": value}))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -137,9 +137,12 @@ def test_by_hand_the_nearest_face_and_part_are_taken(by_hand):
         ),
         ({"contact": {"point": [0.04, 0.04]}}, r"contact point: expected three numbers"),
         ({"contact": {"point": [True, 0, 0]}}, r"contact point: expected three numbers"),
+        ({"contact": {"point": [1e308, 1e308, 0]}}, r"contact point: expected three numbers"),
+        ({"contact": {"point": [10**400, 0, 0]}}, r"contact point: expected three numbers"),
         ({"contact": {}}, r"contact: expected an object with a point"),
         ({"contact": [1, 2, 3]}, r"contact: expected an object"),
         ({"schema": 2}, r"schema: expected 1, got 2, a newer graft wrote it"),
+        ({"schema": True}, r"schema: expected 1, got True"),
         ({"schema": None}, r"schema: expected 1, got None"),
         ({"object": None}, r"object: expected the name"),
         ({"object": 3}, r"object: expected a string"),
@@ -149,9 +152,12 @@ def test_by_hand_the_nearest_face_and_part_are_taken(by_hand):
         ({"object": "missing.ply"}, r"missing.ply: no such file"),
         ({"up": [1]}, r"up: expected three numbers"),
         ({"scale_to_metres": "1"}, r"scale_to_metres: expected a positive number"),
+        ({"scale_to_metres": 10**400}, r"scale_to_metres: expected a positive number"),
         ({"scale_to_metres": 0}, r"scale_to_metres: expected a positive number"),
         ({"graspable": "handle"}, r"graspable: expected a list"),
-        ({"graspable": [{}]}, r"graspable|no part called"),
+        ({"graspable": [{}]}, r"graspable: expected names of parts"),
+        ({"graspable": [True]}, r"graspable: expected names of parts"),
+        ({"graspable": ["lid"]}, r"no part called 'lid'"),
         ({"metadata": []}, r"metadata: expected an object"),
         ({"name": 7}, r"name: expected a string"),
     ],
@@ -165,7 +171,7 @@ def test_bad_demonstrations(by_hand, changes, match):
 
 
 def test_a_library_names_every_bad_one(tmp_path, demo, by_hand):
-    save_demonstration(demo, tmp_path / "a")
+    save_demonstration(tmp_path / "a", demo)
     folder = by_hand(schema=9)
     (tmp_path / "notes").mkdir()
     (tmp_path / ".hidden").mkdir()

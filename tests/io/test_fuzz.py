@@ -15,7 +15,7 @@ BOX = Box(size=(0.1, 0.1, 0.1))
 
 
 def glb(path):
-    save_object(PartObject("cup", (Part("body", BOX.vertices, BOX.faces),), up=(0, 0, 1)), path)
+    save_object(path, PartObject("cup", (Part("body", BOX.vertices, BOX.faces),), up=(0, 0, 1)))
 
 
 def npz(path):

@@ -124,6 +124,7 @@ def test_labels_that_do_not_fit(folder, labels, message):
         ({"part_names": ["a", "b"], "graspable_parts": [2]}, r"graspable_parts: part 2 of 2"),
         ({"graspable_parts": [5]}, r"graspable_parts \[5\]: no such part"),
         ({"up_axis": "z"}, r"up_axis: expected three numbers"),
+        ({"up_axis": [1e-300, 0, 0]}, r"up_axis: expected three numbers that make a direction"),
         ({"up_axis": [0, 0, 0]}, r"up_axis: expected three numbers"),
         ({"scale_to_metres": "1"}, r"scale_to_metres: expected a positive number"),
         ({"scale_to_metres": -1}, r"scale_to_metres: expected a positive number"),

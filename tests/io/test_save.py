@@ -55,17 +55,17 @@ def same(a, b):
 
 
 def test_glb_keeps_everything(tmp_path, cup):
-    save_object(cup, tmp_path / "new" / "cup.glb")
+    save_object(tmp_path / "new" / "cup.glb", cup)
     back = load_object(tmp_path / "new" / "cup.glb")
     same(cup, back)
     assert back.source == str(tmp_path / "new" / "cup.glb")
     assert [p.name for p in (tmp_path / "new").iterdir()] == ["cup.glb"]
-    save_object(back, tmp_path / "again.glb")
+    save_object(tmp_path / "again.glb", back)
     same(load_object(tmp_path / "again.glb"), back)
 
 
 def test_others_see_it_upright_and_in_metres(tmp_path, cup):
-    save_object(cup, tmp_path / "cup.glb")
+    save_object(tmp_path / "cup.glb", cup)
     scene = trimesh.load_scene(tmp_path / "cup.glb")
     transform, geometry = scene.graph["body"]
     seen = trimesh.transform_points(scene.geometry[geometry].vertices, transform)
@@ -78,7 +78,7 @@ def test_others_see_it_upright_and_in_metres(tmp_path, cup):
 @pytest.mark.parametrize("up", [None, (0, 1, 0), (0, -1, 0), (0, 0, 1)])
 def test_any_up_axis_comes_back(tmp_path, body, up):
     obj = PartObject("cup", (Part("body", body.vertices, body.faces),), up=up)
-    save_object(obj, tmp_path / "cup.glb")
+    save_object(tmp_path / "cup.glb", obj)
     back = load_object(tmp_path / "cup.glb")
     assert (back.up is None) == (up is None)
     assert up is None or back.up.tolist() == list(up)
@@ -87,18 +87,18 @@ def test_any_up_axis_comes_back(tmp_path, body, up):
 
 def test_obj_keeps_parts_and_every_bit(tmp_path, cup, handle):
     solid = PartObject("cup", cup.parts[:2])
-    save_object(solid, tmp_path / "cup.obj")
+    save_object(tmp_path / "cup.obj", solid)
     back = load_object(tmp_path / "cup.obj")
     assert back.part_names == ("body", "handle")
     assert_array_equal(back.parts[1].vertices, handle.vertices)
     with pytest.raises(InputError, match="'steam' is a point cloud"):
-        save_object(cup, tmp_path / "cup.obj")
+        save_object(tmp_path / "cup.obj", cup)
     with pytest.raises(InputError, match=r"expected \.glb or \.obj"):
-        save_object(cup, tmp_path / "cup.fbx")
+        save_object(tmp_path / "cup.fbx", cup)
 
 
 def test_a_newer_schema_is_refused(tmp_path, cup):
-    save_object(cup, tmp_path / "cup.glb")
+    save_object(tmp_path / "cup.glb", cup)
     data = (tmp_path / "cup.glb").read_bytes()
     (tmp_path / "cup.glb").write_bytes(data.replace(b'"schema":1', b'"schema":2'))
     with pytest.raises(InputError, match=r"cup.glb: graft schema 2 is not read, 1 is"):
@@ -107,7 +107,7 @@ def test_a_newer_schema_is_refused(tmp_path, cup):
 
 def test_as_object_takes_what_people_have(tmp_path, body, handle, cup):
     assert as_object(cup) is cup
-    save_object(cup, tmp_path / "cup.glb")
+    save_object(tmp_path / "cup.glb", cup)
     same(as_object(tmp_path / "cup.glb"), cup)
     same(as_object(str(tmp_path / "cup.glb")), cup)
     assert as_object((body.vertices, body.faces)).part_names == ("object",)

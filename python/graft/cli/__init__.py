@@ -1,17 +1,18 @@
 """The command line: one verb per stage, each a frozen dataclass that tyro turns into flags.
 
 A verb's module is imported only when the verb is called, so that `graft --help` stays fast.
-Exit codes: 0 ok, 1 some objects failed, 2 usage, 3 bad input, 130 interrupted.
+Exit codes: 0 ok, 2 usage, 3 bad input, 130 interrupted.
 """
 
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 import warnings
 from typing import TextIO
 
-EXIT_OK, EXIT_SOME_FAILED, EXIT_USAGE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
+EXIT_OK, EXIT_USAGE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 3, 130
 
 VERBS = {
     "demo": ("Demo", "Transfer contacts from demonstrated objects to unseen ones; pictures, page, JSON."),
@@ -37,6 +38,8 @@ def usage() -> str:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code; never shows a traceback for a user's mistake."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    if len(arguments) > 1 and arguments[0] == "help":
+        arguments = [arguments[1], "--help"]
     if not arguments or arguments[0] in ("-h", "--help", "help"):
         print(usage(), end="")
         return EXIT_OK if arguments else EXIT_USAGE
@@ -49,13 +52,15 @@ def main(arguments: list[str] | None = None) -> int:
     if verb not in VERBS:
         return _unknown(verb)
     try:
-        return _run(verb, rest)
+        code = _run(verb, rest)
+        sys.stdout.flush()
+        return code
     except KeyboardInterrupt:
         print("graft: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
     except BrokenPipeError:
-        # The reader of our output went away (`graft show x | head`); nothing is left to tell it.
-        sys.stdout = open("/dev/null", "w")  # noqa: SIM115 - must outlive this function
+        # The reader of our output went away (`graft show x | head`); Python's flush at exit must not fail, too.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK
 
 
@@ -63,7 +68,7 @@ def _unknown(verb: str) -> int:
     import difflib
 
     close = difflib.get_close_matches(verb, VERBS, n=1)
-    hint = f", did you mean {close[0]!r}?" if close else ""
+    hint = f", did you mean {close[0]!r}?" if close else "."
     print(f"graft: no verb {verb!r}{hint} The verbs are {', '.join(VERBS)}.", file=sys.stderr)
     return EXIT_USAGE
 
@@ -71,7 +76,7 @@ def _unknown(verb: str) -> int:
 def _run(verb: str, rest: list[str]) -> int:
     import tyro
 
-    from graft.errors import GraftError
+    from graft.errors import GraftError, printable
 
     command_class = getattr(importlib.import_module(f"graft.cli.{verb}"), VERBS[verb][0])
     with warnings.catch_warnings():
@@ -85,9 +90,11 @@ def _run(verb: str, rest: list[str]) -> int:
         except GraftError as error:
             print(f"graft: {error}", file=sys.stderr)
             return EXIT_BAD_INPUT
+        except BrokenPipeError:
+            raise
         except OSError as error:
             where = f"{error.filename}: " if error.filename else ""
-            print(f"graft: {where}{error.strerror or error}", file=sys.stderr)
+            print(f"graft: {printable(f'{where}{error.strerror or error}')}", file=sys.stderr)
             return EXIT_BAD_INPUT
     return code
 
@@ -101,7 +108,7 @@ def _show_warning(
     line: str | None = None,
 ) -> None:
     """Print a warning as one line, without the line of code that noticed it."""
-    from graft.errors import InputWarning
+    from graft.errors import InputWarning, printable
 
     if issubclass(category, InputWarning):
-        print(f"graft: warning: {message}", file=sys.stderr)
+        print(f"graft: warning: {printable(str(message))}", file=sys.stderr)

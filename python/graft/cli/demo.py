@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from graft.cli import EXIT_OK
-from graft.cli.options import print_json
+from graft.cli.options import print_json, print_table, shown, stdout_console
 from graft.demo import DemoRow, demo_document, run_demo
 
 
@@ -66,16 +66,16 @@ def _print_rows(rows: list[DemoRow]) -> None:
         result = row.transferred
         match = result.match
         table.add_row(
-            match.target.object.name,
-            match.demonstration.name,
-            match.source.object.part_names[result.source_part],
-            match.target.object.part_names[result.target_part],
+            shown(match.target.object.name),
+            shown(match.demonstration.name),
+            shown(match.source.object.part_names[result.source_part]),
+            shown(match.target.object.part_names[result.target_part]),
             f"{match.cost:.4f}",
             f"{result.confidence:.2f}",
             f"{row.seconds * 1e3:.1f}",
             "[green]yes[/]" if row.in_mask else "[red]no[/]",
         )
-    Console().print(table)
+    print_table(stdout_console(), table)
     inside = sum(row.in_mask for row in rows)
     others = [row for row in rows if not row.same_category]
     print(

@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
 
 from graft.contact import TransferredContact
-from graft.errors import InputError
+from graft.errors import InputError, printable
 from graft.features import Descriptor, GeometricDescriptor
 from graft.io import load_object
 from graft.objects import PartObject
@@ -60,6 +63,35 @@ def print_json(document: dict[str, Any]) -> None:
     """Print one JSON document on stdout; NaN and infinity, which JSON lacks, are errors."""
     json.dump(document, sys.stdout, indent=1, allow_nan=False)
     sys.stdout.write("\n")
+
+
+PIPE_WIDTH = 10_000
+"""Characters of a line that no terminal limits: files and pipes get tables in their own width."""
+
+
+def stdout_console() -> Console:
+    """Return the console for tables; in names, neither emoji codes nor numbers are special."""
+    console = Console(emoji=False, highlight=False)
+    if not console.is_terminal:
+        console.width = PIPE_WIDTH
+    return console
+
+
+def fits(console: Console, table: Table) -> bool:
+    """Tell whether a table is no wider than the console."""
+    return Console(width=PIPE_WIDTH).measure(table).maximum <= console.width
+
+
+def print_table(console: Console, table: Table) -> None:
+    """Print a table; on a narrow terminal cells go on in the next line, nothing is cut off."""
+    for column in table.columns:
+        column.overflow = "fold"
+    console.print(table)
+
+
+def shown(name: str) -> str:
+    """Return a name from a file so that neither rich nor the terminal takes it for a command."""
+    return escape(printable(name))
 
 
 @dataclass(frozen=True)

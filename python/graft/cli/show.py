@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from graft.cli import EXIT_OK
-from graft.cli.options import Loading, LoadingFlags, check_outputs, print_json
+from graft.cli.options import Loading, LoadingFlags, check_outputs, print_json, print_table, shown, stdout_console
 from graft.documents import object_document
 from graft.graph import PartGraph, build_graph
 from graft.io import save_object
@@ -36,47 +35,49 @@ class Show:
         check_outputs(self.out, _WRITERS)
         obj = self.loading.load(self.object)
         graph = build_graph(obj, descriptor=None)
+        for path in self.out:
+            _WRITERS[path.suffix.lower()](path, obj)
         if self.json:
             print_json(object_document(obj, graph))
         else:
             _print_parts(obj, graph)
-        for path in self.out:
-            _WRITERS[path.suffix.lower()](path, obj)
         return EXIT_OK
 
 
 _WRITERS: dict[str, Callable[[Path, PartObject], None]] = {
     ".png": save_views,
     ".html": save_object_scene,
-    ".glb": lambda path, obj: save_object(obj, path),
+    ".glb": save_object,
 }
 
 
 def _print_parts(obj: PartObject, graph: PartGraph) -> None:
     """Print what was read: one row per part, then joints and notes."""
-    console = Console()
+    console = stdout_console()
     scale = obj.scale_to_metres
-    size = "unknown scale" if scale is None else f"{graph.diagonal * scale * 100:.1f} cm across"
-    up = "none" if obj.up is None else " ".join(f"{x:g}" for x in obj.up)
-    console.print(f"[bold]{obj.name}[/]  {obj.category or 'no category'}, {size}, up {up}, {obj.n_faces} faces")
+    size = "unknown scale" if scale is None else f"{graph.diagonal * scale * 100:.4g} cm across"
+    up = "none" if obj.up is None else " ".join(f"{round(x, 4) + 0.0:g}" for x in obj.up)
+    console.print(
+        f"[bold]{shown(obj.name)}[/]  {shown(obj.category or 'no category')}, {size}, up {up}, {obj.n_faces} faces"
+    )
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("part")
     for column in ("faces", "extents", "area %", "touches"):
         table.add_column(column, justify="right")
     table.add_column("flags")
     for i, part in enumerate(obj.parts):
-        touches = [obj.parts[j].name for j in graph.adjacency[i].nonzero()[0]]
+        touches = [shown(obj.parts[j].name) for j in graph.adjacency[i].nonzero()[0]]
         table.add_row(
-            f"[green]{part.name}[/]" if i in obj.graspable else part.name,
+            f"[green]{shown(part.name)}[/]" if i in obj.graspable else shown(part.name),
             f"{len(part.vertices)} points" if part.is_point_cloud else str(len(part.faces)),
             " x ".join(f"{2 * e:.3g}" for e in graph.half_extents[i]),
             f"{100 * graph.areas[i] / max(graph.areas.sum(), 1e-300):.0f}",
             ", ".join(touches) or "-",
             ", ".join(f.name.lower() for f in graph.flags[i] if f.name),
         )
-    console.print(table)
+    print_table(console, table)
     for joint in obj.joints:
-        parent, child = obj.parts[joint.parent].name, obj.parts[joint.child].name
-        console.print(f"joint {joint.name}: {joint.kind}, {parent} to {child}")
+        parent, child = shown(obj.parts[joint.parent].name), shown(obj.parts[joint.child].name)
+        console.print(f"joint {shown(joint.name)}: {joint.kind}, {parent} to {child}")
     for note in obj.notes:
-        console.print(f"[yellow]note[/] {note}")
+        console.print(f"[yellow]note[/] {shown(note)}")

@@ -7,11 +7,21 @@ from pathlib import Path
 from typing import Annotated
 
 import tyro
-from rich.console import Console
 from rich.table import Table
 
 from graft.cli import EXIT_OK
-from graft.cli.options import Loading, LoadingFlags, Matching, MatchingFlags, check_outputs, print_json, write_outputs
+from graft.cli.options import (
+    Loading,
+    LoadingFlags,
+    Matching,
+    MatchingFlags,
+    check_outputs,
+    print_json,
+    print_table,
+    shown,
+    stdout_console,
+    write_outputs,
+)
 from graft.contact import VOTERS, TransferredContact, agree, transfer_contact
 from graft.documents import transfer_document
 from graft.errors import InputError
@@ -44,17 +54,18 @@ class TransferCommand:
         target = self.loading.load(self.target)
         matches = library.retrieve(target, k=max(self.k, VOTERS))
         results = agree([transfer_contact(match) for match in matches])[: self.k]
+        write_outputs(self.out, results)
         if self.json:
             print_json({"target": target.name, "matches": [transfer_document(r) for r in results]})
         else:
             _print_contacts(target.name, results)
-        write_outputs(self.out, results)
         return EXIT_OK
 
 
 def _print_contacts(name: str, results: list[TransferredContact]) -> None:
     """Print one row per match."""
-    table = Table(box=None, pad_edge=False, header_style="bold", title=f"contacts for {name}", title_justify="left")
+    table = Table(box=None, pad_edge=False, header_style="bold", title_justify="left")
+    table.title = f"contacts for {shown(name)}"
     for column in ("", "source", "part", "to part"):
         table.add_column(column)
     for column in ("cost", "confidence", "point", "normal"):
@@ -63,12 +74,12 @@ def _print_contacts(name: str, results: list[TransferredContact]) -> None:
         source, target = result.match.source.object, result.match.target.object
         table.add_row(
             str(result.match.rank + 1),
-            result.match.demonstration.name,
-            source.part_names[result.source_part],
-            target.part_names[result.target_part],
+            shown(result.match.demonstration.name),
+            shown(source.part_names[result.source_part]),
+            shown(target.part_names[result.target_part]),
             f"{result.match.cost:.4f}",
             f"{result.confidence:.2f}",
             " ".join(f"{x:.4g}" for x in result.contact.point),
             " ".join(f"{x:.2f}" for x in result.contact.normal),
         )
-    Console().print(table)
+    print_table(stdout_console(), table)

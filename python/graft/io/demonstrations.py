@@ -18,6 +18,7 @@ from graft.io.folder import DEMONSTRATION_FILE
 from graft.io.guards import malformed_is_input_error, read_json, resolve_inside
 from graft.io.load import load_object
 from graft.io.save import save_object
+from graft.io.sidecar import is_number, is_whole
 from graft.marking import closest_surface_point
 from graft.objects import Contact, Demonstration, Floats, PartObject
 
@@ -55,8 +56,8 @@ def load_demonstration(folder: str | Path) -> Demonstration:
         raise InputError("no such demonstration folder", path=folder)
     words = read_json(path)
     schema = words.get("schema")
-    if schema != SCHEMA:
-        newer = ", a newer graft wrote it" if isinstance(schema, int) and schema > SCHEMA else ""
+    if not is_whole(schema) or schema != SCHEMA:
+        newer = ", a newer graft wrote it" if is_whole(schema) and schema > SCHEMA else ""
         raise InputError(f"schema: expected {SCHEMA}, got {schema!r}{newer}", path=path)
     reference = _get(words, "object", str, path)
     if reference is None:
@@ -104,14 +105,14 @@ def load_demonstrations(root: str | Path) -> list[Demonstration]:
     return found
 
 
-def save_demonstration(demonstration: Demonstration, folder: str | Path) -> None:
+def save_demonstration(folder: str | Path, demonstration: Demonstration) -> None:
     """Write a demonstration as a folder with object.glb and demonstration.json.
 
     The folder appears at once and complete. One that this function wrote before is replaced.
 
     Args:
-        demonstration: Its metadata must be strings, numbers, lists and dictionaries.
         folder: To be made; folders on the way are, too.
+        demonstration: Its metadata must be strings, numbers, lists and dictionaries.
 
     Raises:
         InputError: The folder holds other files, or the metadata do not fit JSON.
@@ -148,7 +149,7 @@ def save_demonstration(demonstration: Demonstration, folder: str | Path) -> None
     work = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
     try:
         new = work / "new"
-        save_object(obj, new / OBJECT_FILE)
+        save_object(new / OBJECT_FILE, obj)
         write_whole(new / DEMONSTRATION_FILE, text.encode())
         if folder.exists():
             folder.rename(work / "old")
@@ -183,18 +184,19 @@ def _vector(words: dict[str, Any], key: str, where: str, path: Path) -> Floats |
     value = words.get(key)
     if value is None:
         return None
-    numbers = isinstance(value, list) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in value)
-    if not numbers or len(value) != 3 or not np.isfinite(np.array(value, np.float64)).all():
+    if not (isinstance(value, list) and len(value) == 3 and all(map(is_number, value))):
         raise InputError(f"{where}{key}: expected three numbers, got {str(value)[:60]!r}", path=path)
     return np.array(value, np.float64)
 
 
 def _described(obj: PartObject, words: dict[str, Any], path: Path) -> PartObject:
     scale = words.get("scale_to_metres")
-    if scale is not None and (isinstance(scale, bool) or not isinstance(scale, int | float)):
+    if scale is not None and not (is_number(scale) and scale > 0):
         raise InputError(f"scale_to_metres: expected a positive number, got {str(scale)[:60]!r}", path=path)
     up = _vector(words, "up", "", path)
     graspable = _get(words, "graspable", list, path)
+    if graspable is not None and not all(isinstance(name, str) or is_whole(name) for name in graspable):
+        raise InputError(f"graspable: expected names of parts, got {str(graspable)[:60]!r}", path=path)
     return replace(
         obj,
         category=_get(words, "category", str, path) or obj.category,
@@ -212,7 +214,7 @@ def _contact(obj: PartObject, words: dict[str, Any], path: Path) -> Contact:
     point = _vector(given, "point", "contact ", path)
     assert point is not None
     named = given.get("part")
-    if named is not None and (isinstance(named, bool) or not isinstance(named, str | int)):
+    if named is not None and not (isinstance(named, str) or is_whole(named)):
         raise InputError(f"contact part: expected a name or number, got {str(named)[:60]!r}", path=path)
     candidates = range(len(obj.parts)) if named is None else (obj.part_index(named),)
     places = {i: closest_surface_point(obj.parts[i], point) for i in candidates}

@@ -77,20 +77,8 @@ def load_object(
         InputWarning: Faces were dropped, or the size is implausible for the unit. Nothing is rescaled.
     """
     path = Path(path)
-    folders = {name: Path(folder) for name, folder in (packages or {}).items()}
-    if not path.exists():
-        raise InputError("no such file or folder", path=path)
-    if path.is_dir():
-        obj = load_folder(path, parts=parts, packages=folders, missing=missing)
-    elif path.suffix.lower() in ROBOT_SUFFIXES:
-        obj = load_robot_file(path, parts=parts, packages=folders, missing=missing)
-    elif path.suffix.lower() in KNOWN_SUFFIXES:
-        if parts != "auto":
-            raise InputError(f"parts: {parts!r} is a choice for MJCF and URDF, not for meshes", path=path)
-        obj = load_mesh_file(path)
-    else:
-        raise InputError(f"unknown suffix {path.suffix!r}: the known ones are {', '.join(KNOWN_SUFFIXES)}", path=path)
     try:
+        obj = _read(path, parts=parts, packages=packages, missing=missing)
         obj = replace(
             obj,
             source=str(path),
@@ -98,8 +86,26 @@ def load_object(
             scale_to_metres=obj.scale_to_metres if scale_to_metres is None else float(scale_to_metres),
         )
     except InputError as error:
+        if error.path is not None:
+            raise
         raise InputError(str(error), path=path) from None
     return _with_size_note(obj, path)
+
+
+def _read(path: Path, *, parts: Parts, packages: Mapping[str, PathLike] | None, missing: Missing) -> PartObject:
+    """Find out what is meant, and read it."""
+    folders = {name: Path(folder) for name, folder in (packages or {}).items()}
+    if not path.exists():
+        raise InputError("no such file or folder", path=path)
+    if path.is_dir():
+        return load_folder(path, parts=parts, packages=folders, missing=missing)
+    if path.suffix.lower() in ROBOT_SUFFIXES:
+        return load_robot_file(path, parts=parts, packages=folders, missing=missing)
+    if path.suffix.lower() in KNOWN_SUFFIXES:
+        if parts != "auto":
+            raise InputError(f"parts: {parts!r} is a choice for MJCF and URDF, not for meshes", path=path)
+        return load_mesh_file(path)
+    raise InputError(f"unknown suffix {path.suffix!r}: the known ones are {', '.join(KNOWN_SUFFIXES)}", path=path)
 
 
 def _with_size_note(obj: PartObject, path: Path) -> PartObject:

@@ -122,7 +122,7 @@ def _inside(model: _Model, file: Path, element: Any, base: Path, reference: str)
     target = base / cleaned
     if not any(is_inside(target, root) for root in model.roots):
         where = f"<{element.tag}> {reference!r} (in {base}) leaves the asset root {model.roots[0]}"
-        raise at_line(file, element, f"{where}; name its folder as a package to allow it")
+        raise at_line(file, element, f"{where}; name its folder as a package (--package NAME=FOLDER) to allow it")
     target = target.resolve()
     try:
         existing_file(target)

@@ -84,7 +84,10 @@ class AssetPaths:
         allowed = [root, *(Path(package) for package in self.packages.values())]
         candidates = list(dict.fromkeys((folder / path, root / path)))
         if not any(is_inside(candidates[0], one) for one in allowed):
-            raise InputError(f"{address}: leaves the asset root {root}; name its folder as a package to allow it")
+            raise InputError(
+                f"{address}: leaves the asset root {root}; "
+                "name its folder as a package (--package NAME=FOLDER) to allow it"
+            )
         return _first(candidate for candidate in candidates if any(is_inside(candidate, one) for one in allowed))
 
     def _in_package(self, address: str, rest: str) -> Lookup:

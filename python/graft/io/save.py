@@ -23,7 +23,7 @@ ARRAY_BUFFER, ELEMENT_BUFFER = 34962, 34963
 """glTF buffer view targets."""
 
 
-def save_object(obj: PartObject, path: str | Path) -> None:
+def save_object(path: str | Path, obj: PartObject) -> None:
     """Write an object to a file that is complete or not there at all.
 
     GLB (.glb) keeps everything: names, labels, joints, up, scale, category, graspable parts, notes, in the
@@ -35,8 +35,8 @@ def save_object(obj: PartObject, path: str | Path) -> None:
     else.
 
     Args:
-        obj: What to write.
         path: Ends in .glb or .obj; folders on the way are made.
+        obj: What to write.
 
     Raises:
         InputError: Another suffix, or a point cloud as OBJ.

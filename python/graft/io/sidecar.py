@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
+from graft.checks import UNIT_TOLERANCE
 from graft.errors import InputError
 from graft.io.arrays import Array, read_npy, read_npz
 from graft.io.guards import contained, read_json, read_text
@@ -18,6 +19,10 @@ LABEL_SUFFIXES = (".seg", ".npy", ".npz")
 
 LABEL_KEYS = ("labels", "label", "seg", "segmentation")
 """Names of the array of labels in an archive."""
+
+
+LARGEST = 1e150
+"""Numbers in JSON stay below this, so that their squares are finite."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,7 @@ def read_object_words(path: Path) -> ObjectWords:
     if names is not None and not (isinstance(names, list) and all(isinstance(n, str) and n for n in names)):
         raise wrong("part_names", "a list of names")
     graspable = words.get("graspable_parts") or []
-    if not isinstance(graspable, list) or not all(_is_int(g) and g >= 0 for g in graspable):
+    if not isinstance(graspable, list) or not all(is_whole(g) and g >= 0 for g in graspable):
         raise wrong("graspable_parts", "a list of part numbers")
     if names is not None and any(g >= len(names) for g in graspable):
         raise InputError(
@@ -70,10 +75,12 @@ def read_object_words(path: Path) -> ObjectWords:
             path=path,
         )
     up = words.get("up_axis")
-    if up is not None and not (isinstance(up, list) and len(up) == 3 and all(map(_is_number, up)) and any(up)):
-        raise wrong("up_axis", "three numbers that are not all zero, or null")
+    if up is not None and not (
+        isinstance(up, list) and len(up) == 3 and all(map(is_number, up)) and np.linalg.norm(up) > UNIT_TOLERANCE
+    ):
+        raise wrong("up_axis", "three numbers that make a direction, or null")
     scale = words.get("scale_to_metres")
-    if scale is not None and not (_is_number(scale) and scale > 0):
+    if scale is not None and not (is_number(scale) and scale > 0):
         raise wrong("scale_to_metres", "a positive number")
     return ObjectWords(
         text("id"),
@@ -85,12 +92,14 @@ def read_object_words(path: Path) -> ObjectWords:
     )
 
 
-def _is_int(value: Any) -> bool:
+def is_whole(value: Any) -> TypeGuard[int]:
+    """Tell whether a value from JSON is a whole number."""
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+def is_number(value: Any) -> TypeGuard[float]:
+    """Tell whether a value from JSON is a number that can be reckoned with."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < LARGEST
 
 
 def find_beside(mesh: Path, stems: tuple[str, ...], suffixes: tuple[str, ...]) -> Path | None:

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from graft.checks import UNIT_TOLERANCE
 from graft.io.robot_xml import at_line, numbers, transform_xyz_rpy
-from graft.objects import UNIT_TOLERANCE, Floats, JointType
+from graft.objects import Floats, JointType
 
 XACRO_PREFIXES = (
     "xacro:",

@@ -65,7 +65,7 @@ def matched_part(plan: Floats, target_mass: Floats, source_part: int) -> tuple[i
 class UFGW:
     """Match part graphs by unbalanced fused Gromov-Wasserstein transport with EM target masses.
 
-    The feature cost is
+    The feature cost is::
 
         M_ij = lambda_obb tanh(|e_i - e_j| / 2) + lambda_global (1 - cos(f_i, f_j)) + lambda_relation (1 - r_i . r_j)
 
@@ -95,7 +95,7 @@ class UFGW:
         part_weight: Weight of the demonstrated part's own feature cost in the ranking; 0 is the paper's.
         doubt_weight: Weight of -log share in the ranking; 0 is the paper's.
         rival_weight: Weight of -log claim in the ranking; 0 is the paper's.
-        variant: "graft", or "paper" for the literal sigmoid(|e_i - e_j|) and cos, the latter plus 1 to be
+        variant: "graft", or "paper" for the literal sigmoid of the extents' distance and cos, the latter plus 1 to be
             a cost.
         cost: What transports are ranked by, see `graft.transport.ufgw`.
         tol: Relative L1 change that counts as settled.
