@@ -58,6 +58,7 @@ class RootAnchored:
             max_outer=solver.max_outer,
             threads=solver.threads,
         )
+        return list(transports)
         found = zip(transports, features, source_parts, strict=True)
         return [solver.ranked(transport, cost, part) for transport, cost, part in found]
 

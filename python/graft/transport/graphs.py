@@ -12,7 +12,9 @@ from graft import _core
 from graft.errors import InputError
 from graft.graph import PartGraph, source_mass, target_prior
 from graft.objects import Floats
-from graft.transport.solver import Cost, Entropy, Loss, Transport, ufgw_batch
+from graft.transport.costs import Cost
+from graft.transport.result import Transport
+from graft.transport.solver import Entropy, Loss, ufgw_batch
 
 SALIENCY = 0.6
 """The paper's gamma: factor on a part's mass per hop from the demonstrated part."""

@@ -8,6 +8,7 @@ mod descriptor;
 mod geometry;
 mod graph;
 mod render;
+mod retrieve;
 mod transport;
 
 /// The compiled core of graft.
@@ -23,7 +24,9 @@ mod _core {
     #[pymodule_export]
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]
-    use super::transport::{feature_costs, ufgw_batch};
+    use super::retrieve::rank_graphs;
+    #[pymodule_export]
+    use super::transport::{feature_costs, ufgw_batch, ufgw_pair};
     #[pymodule_export]
     use crate::geometry::{chamfer_distances, convex_hull, oriented_box, part_geometry};
     #[pymodule_export]
