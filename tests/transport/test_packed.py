@@ -51,7 +51,7 @@ def lengths(rng, n):
 SOLVERS = [
     UFGW(),
     UFGW(em_rate=None, tau_s=0.2),
-    UFGW(part_weight=0.0, doubt_weight=0.0),
+    UFGW(part_weight=0.0, doubt_weight=0.0, rival_weight=0.0),
     UFGW(tau_s=np.inf, alpha=0.9),
     UFGW(lambda_relation=0.0, lambda_obb=3.0, tau_t=0.1),
 ]

@@ -3,7 +3,7 @@
 //! Whatever the plan and the target masses, row i of a plan pays at least the least feature cost of its row for the
 //! mass u_i that it sends, and tau_s KL(u_i | mu_i) for sending no more: at best
 //! tau_s mu_i (1 - exp(-alpha min_j M_ij / tau_s)). Structure, target marginal and entropy are not negative. The
-//! demonstrated part p adds at least `part_weight` min_j M_pj, the doubt about it nothing.
+//! demonstrated part p adds at least `part_weight` min_j M_pj, doubt and rivals nothing.
 //!
 //! tanh(d / 2) is bounded below by d / sqrt(4 + d^2); rounding is paid for by [`Query::rounding`].
 
