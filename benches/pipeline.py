@@ -14,7 +14,8 @@ from pathlib import Path
 
 import graft
 from graft import zoo
-from graft.demo import VOTERS, demonstrations
+from graft.contact import VOTERS
+from graft.demo import demonstrations
 
 
 def timed(call, *arguments, **options):

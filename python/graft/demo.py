@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graft import zoo
-from graft.contact import TransferredContact, agree, transfer_contact
+from graft.contact import VOTERS, TransferredContact, agree, transfer_contact
 from graft.documents import Document, transfer_document
 from graft.errors import InputError
 from graft.io import save_object
@@ -22,9 +22,6 @@ from graft.io.atomic import write_whole
 from graft.library import Library
 from graft.objects import Demonstration, PartObject
 from graft.viz import save_glb, save_scene, save_sheet
-
-VOTERS = 5
-"""How many matches vote on each target."""
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many are done, how many there are."""

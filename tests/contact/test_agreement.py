@@ -6,6 +6,7 @@ import pytest
 from graft import zoo
 from graft.contact import agree, transfer_contact
 from graft.contact.agreement import VOTE_SCALE
+from graft.contact.transfer import COST_SCALE, confidence_in
 from graft.errors import InputError
 from graft.library import Library
 
@@ -32,7 +33,9 @@ def test_two_good_matches_outvote_the_best(transfers):
     assert [t.target_part for t in ranked] == [1, 1, 0]
     assert ranked[0].match is given[1].match, "within a part the order stays"
     loud = np.exp([0.0, -0.1, -0.2])
-    assert ranked[0].confidence == pytest.approx(loud[1:].sum() / loud.sum() * np.exp(-given[1].match.cost / 0.5))
+    assert ranked[0].confidence == pytest.approx(
+        loud[1:].sum() / loud.sum() * np.exp(-np.square(given[1].match.cost / COST_SCALE))
+    )
 
 
 def test_poor_matches_do_not_outvote_the_best(transfers):
@@ -53,3 +56,13 @@ def test_contacts_on_different_targets_cannot_vote(transfers):
     other = transfer_contact(library.retrieve(zoo.make("jug"))[0])
     with pytest.raises(InputError, match="expected contacts on one target, got 2"):
         agree([transfers[0], other])
+
+
+def test_confidence_rises_with_votes_falls_with_cost_and_stays_in_the_unit_interval():
+    costs = np.linspace(-0.5, 5.0, 12)
+    table = np.array([[confidence_in(share, cost) for share in np.linspace(0, 1, 6)] for cost in costs])
+    assert ((table >= 0) & (table <= 1)).all()
+    assert (np.diff(table, axis=1) > 0).all()
+    assert (np.diff(table, axis=0) <= 0).all()
+    assert confidence_in(1.0, 0.0) == 1.0
+    assert confidence_in(1.0, 3.0) < 0.05, "nothing fits"

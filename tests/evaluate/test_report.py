@@ -9,7 +9,15 @@ from graft.evaluate.ablation import RootAnchored, ablations
 from graft.evaluate.diversity import diversity, normalised_entropy, retrieving_methods
 from graft.evaluate.methods import Graft, Graphs
 from graft.evaluate.protocols import Posing, from_objects
-from graft.evaluate.report import by_category, coverage_curve, document, effects, summarise
+from graft.evaluate.report import (
+    by_category,
+    calibration_error,
+    coverage_area,
+    coverage_curve,
+    document,
+    effects,
+    summarise,
+)
 from graft.evaluate.rows import Answer, Row
 from graft.evaluate.runner import build_graphs, evaluate
 from graft.transport import UFGW
@@ -61,6 +69,23 @@ def test_coverage_curve_falls_when_confidence_is_right():
     assert_allclose([accuracy for _, accuracy in curve], [1] * 5 + [5 / 6, 5 / 7, 5 / 8, 5 / 9, 0.5])
     backwards = [row(str(i), [answer(i < 5, confidence=i / 10)]) for i in range(10)]
     assert coverage_curve(backwards)[0][1] == 0.0
+
+
+def test_the_area_is_largest_when_right_answers_are_surest():
+    rows = [row(str(i), [answer(i < 5, confidence=1.0 - i / 10)]) for i in range(10)]
+    area, most = coverage_area(rows)
+    assert area == most == pytest.approx((5 + sum(5 / n for n in range(6, 11))) / 10)
+    backwards = [row(str(i), [answer(i < 5, confidence=i / 10)]) for i in range(10)]
+    assert coverage_area(backwards) == pytest.approx((sum((n - 5) / n for n in range(6, 11)) / 10, most))
+    assert coverage_area([row("0", [answer(True)])]) == (1.0, 1.0)
+
+
+def test_calibration_compares_confidence_with_being_right():
+    assert calibration_error([row("a", [answer(True, confidence=0.8)]), row("b", [answer(False, confidence=0.4)])]) == (
+        pytest.approx((0.2**2 + 0.4**2) / 2)
+    )
+    assert calibration_error([row("a", [answer(True, confidence=-0.8)])]) is None
+    assert calibration_error([row("a", [answer(True, confidence=None)])]) is None
 
 
 def test_effects_are_paired_by_query():

@@ -8,7 +8,7 @@ import pytest
 from graft.errors import InputError
 from graft.graph import PartFlag, PartGraph
 from graft.objects import Part, PartObject
-from graft.transport import UFGW, matched_part, ufgw
+from graft.transport import UFGW, claim, matched_part, ufgw
 
 
 def make_graph(seed, n, descriptors=True, diagonal=2.0):
@@ -91,14 +91,22 @@ def test_a_batch_is_its_single_calls():
 
 def test_the_ranking_adds_the_demonstrated_parts_own_cost():
     source, target = make_graph(1, 4), make_graph(2, 5)
-    plain = UFGW(part_weight=0.0, doubt_weight=0.0)(source, target, 2)
-    ranked = UFGW(part_weight=0.7, doubt_weight=0.2)(source, target, 2)
+    plain = UFGW(part_weight=0.0, doubt_weight=0.0, rival_weight=0.0)(source, target, 2)
+    ranked = UFGW(part_weight=0.7, doubt_weight=0.2, rival_weight=0.3)(source, target, 2)
     part, share = matched_part(plain.plan, plain.target_mass, 2)
     own, doubt = 0.7 * feature_cost(source, target)[2, part], -0.2 * np.log(share)
+    rivals = -0.3 * np.log(plain.plan[2, part] / plain.plan[:, part].sum())
     np.testing.assert_array_equal(ranked.plan, plain.plan)
     assert ranked.terms["part"] == pytest.approx(own)
     assert ranked.terms["doubt"] == pytest.approx(doubt)
-    assert ranked.cost == pytest.approx(plain.cost + own + doubt)
+    assert ranked.terms["rivals"] == pytest.approx(rivals)
+    assert ranked.cost == pytest.approx(plain.cost + own + doubt + rivals)
+
+
+def test_a_part_that_receives_nothing_is_claimed_by_none():
+    plan = np.array([[0.3, 0.0], [0.1, 0.0]])
+    assert [claim(plan, i, 0) for i in (0, 1)] == pytest.approx([0.75, 0.25])
+    assert [claim(plan, i, 1) for i in (0, 1)] == [0.0, 0.0]
 
 
 def test_the_matched_part_receives_most_for_the_root_of_its_mass():
@@ -117,7 +125,9 @@ def test_an_object_suits_itself_best():
 
 def test_the_debiased_cost_is_nearly_nothing_for_an_object_and_itself():
     target = make_graph(1, 5)
-    solver = UFGW(cost="debiased", em_rate=None, saliency=1.0, eps=0.01, part_weight=0.0, doubt_weight=0.0)
+    solver = UFGW(
+        cost="debiased", em_rate=None, saliency=1.0, eps=0.01, part_weight=0.0, doubt_weight=0.0, rival_weight=0.0
+    )
     same, other = solver.batch([target, make_graph(2, 5)], [0, 0], target)
     assert abs(same.cost) < 0.1 * other.cost
 

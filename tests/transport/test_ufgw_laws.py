@@ -116,7 +116,7 @@ def test_identical_graphs_match_themselves():
 def test_a_solution_is_where_a_warm_start_stays():
     pair = make_pair(9)
     found = ufgw(*pair.data, **TIGHT)
-    again = ufgw(*pair.data, start=found.plan, tol=1e-9)
+    again = ufgw(*pair.data, start=found.plan, start_g=found.g, tol=1e-9)
     assert again.n_iters <= 2
     np.testing.assert_allclose(again.plan, found.plan, atol=1e-10)
 
@@ -161,4 +161,4 @@ def test_a_ragged_batch_is_its_single_calls_for_any_threads(em_rate):
 
 
 def test_an_empty_batch_is_empty():
-    assert ufgw_batch([], [], [], [], []) == []
+    assert list(ufgw_batch([], [], [], [], [])) == []

@@ -24,11 +24,22 @@ from graft.cli.options import print_json
 from graft.errors import InputError
 from graft.evaluate.ablation import ablations
 from graft.evaluate.affordance import methods, pictured, worst
+from graft.evaluate.baselines import image_methods
 from graft.evaluate.diversity import Diversity, diversity, retrieving_methods
 from graft.evaluate.intervals import Estimate
 from graft.evaluate.methods import Graft, Method
 from graft.evaluate.protocols import Benchmark, Posing, from_objects, load_objects, paper
-from graft.evaluate.report import QUOTED, Summary, by_category, coverage_curve, document, effects, summarise
+from graft.evaluate.report import (
+    QUOTED,
+    Summary,
+    by_category,
+    calibration_error,
+    coverage_area,
+    coverage_curve,
+    document,
+    effects,
+    summarise,
+)
 from graft.evaluate.rows import Row
 from graft.evaluate.runner import Progress, build_graphs, evaluate
 from graft.viz import save_scene, save_sheet
@@ -226,9 +237,15 @@ def _print_affordance(console: Console, rows: Sequence[Row], k: int, seed: int, 
         for category, summaries in by_category(rows, k, seed).items():
             console.print(f"\n[bold]{category}[/], {summaries[0].targets} targets")
             _print_summaries(console, summaries, k, quoted=False)
-    curve = coverage_curve([row for row in rows if row.method == Graft().name])
+    if not image_methods():
+        console.print("image retrieval is left out: it needs pip install 'graft-robotics[vision]'")
+    ours = [row for row in rows if row.method == Graft().name]
+    curve, (area, most) = coverage_curve(ours), coverage_area(ours)
     console.print("\ngraft's part accuracy when only the surest answers are given:")
     console.print("  ".join(f"{coverage:.0%} {accuracy:.2f}" for coverage, accuracy in curve))
+    error = calibration_error(ours)
+    told = "" if error is None else f"; mean squared difference of confidence and being right {error:.3f}"
+    console.print(f"area under the curve {area:.3f}, at most {most:.3f}{told}")
 
 
 def _print_ablation(console: Console, rows: Sequence[Row], k: int, seed: int) -> None:

@@ -22,8 +22,9 @@ from graft.cli.options import (
     stdout_console,
     write_outputs,
 )
-from graft.contact import TransferredContact, agree, transfer_contact
+from graft.contact import VOTERS, TransferredContact, agree, transfer_contact
 from graft.documents import transfer_document
+from graft.errors import InputError
 from graft.library import Library
 
 
@@ -36,7 +37,7 @@ class TransferCommand:
     library: Path
     """A folder of demonstrations (folders with a demonstration.json)."""
     k: Annotated[int, tyro.conf.arg(aliases=["-k"])] = 5
-    """How many matches to transfer from; their parts vote, and the winner's contacts come first."""
+    """How many contacts to give. At least ten matches vote on the part; the contacts on the winner come first."""
     json: bool = False
     """Print one JSON document and nothing else."""
     out: tuple[Path, ...] = ()
@@ -46,10 +47,13 @@ class TransferCommand:
 
     def run(self) -> int:
         """Retrieve, transfer, print, draw; returns the exit code."""
+        if self.k < 1:
+            raise InputError(f"-k: expected at least 1, got {self.k}")
         check_outputs(self.out)
         library = Library.open(self.library, solver=self.matching.solver(), descriptor=self.matching.described())
         target = self.loading.load(self.target)
-        results = agree([transfer_contact(found) for found in library.retrieve(target, k=self.k)])
+        matches = library.retrieve(target, k=max(self.k, VOTERS))
+        results = agree([transfer_contact(match) for match in matches])[: self.k]
         write_outputs(self.out, results)
         if self.json:
             print_json({"target": target.name, "matches": [transfer_document(r) for r in results]})

@@ -11,8 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from graft.contact.transfer import COST_SCALE, TransferredContact
+from graft.contact.transfer import TransferredContact, confidence_in
 from graft.errors import InputError
+
+VOTERS = 10
+"""How many matches vote. Over the development objects ten or fifteen are better than five, most of all where parts are
+perturbed: a wrong best match among five needs only two that agree with it."""
 
 VOTE_SCALE = 0.1
 """A match whose cost is higher than the best one's by this speaks 1/e as loud. Over the development objects votes at
@@ -23,11 +27,11 @@ def agree(transfers: Sequence[TransferredContact]) -> list[TransferredContact]:
     """Return the transfers in the order of their parts' votes, those of one part in the order given.
 
     Args:
-        transfers: Contacts of several matches on one target, the best match first; five are a good number.
+        transfers: Contacts of several matches on one target, the best match first; `VOTERS` are a good number.
 
     Returns:
-        The same contacts; their confidence is the share of the votes that their part has, times
-        exp(-cost / COST_SCALE). Ties go to the part with the lowest index.
+        The same contacts; their confidence is that in the share of the votes that their part has
+        (`graft.contact.transfer.confidence_in`). Ties go to the part with the lowest index.
 
     Raises:
         InputError: The transfers are on different targets.
@@ -42,6 +46,6 @@ def agree(transfers: Sequence[TransferredContact]) -> list[TransferredContact]:
     votes = np.bincount([t.target_part for t in transfers], loudness) / loudness.sum()
     order = sorted(range(len(transfers)), key=lambda k: (-votes[transfers[k].target_part], transfers[k].target_part, k))
     return [
-        replace(t, confidence=float(votes[t.target_part] * np.exp(-max(t.match.cost, 0.0) / COST_SCALE)))
+        replace(t, confidence=confidence_in(float(votes[t.target_part]), t.match.cost))
         for t in (transfers[k] for k in order)
     ]

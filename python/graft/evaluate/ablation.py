@@ -58,11 +58,12 @@ class RootAnchored:
             max_outer=solver.max_outer,
             threads=solver.threads,
         )
+        return list(transports)
         found = zip(transports, features, source_parts, strict=True)
         return [solver.ranked(transport, cost, part) for transport, cost, part in found]
 
 
-PAPER = UFGW(lambda_relation=0.0, part_weight=0.0, doubt_weight=0.0)
+PAPER = UFGW(lambda_relation=0.0, part_weight=0.0, doubt_weight=0.0, rival_weight=0.0)
 """Boxes and descriptors alone, matches ranked by the transport's cost alone."""
 
 
@@ -80,8 +81,10 @@ def ablations() -> list[Graft]:
         Graft("without relations (lambda_relation 0)", UFGW(lambda_relation=0.0)),
         Graft("without the part's cost in the ranking", UFGW(part_weight=0.0)),
         Graft("without doubt in the ranking", UFGW(doubt_weight=0.0)),
+        Graft("without rivals in the ranking", UFGW(rival_weight=0.0)),
         Graft("without votes", voters=1),
-        Graft("ranked as in the paper", UFGW(part_weight=0.0, doubt_weight=0.0), voters=1),
+        Graft("five voters", voters=5),
+        Graft("ranked as in the paper", UFGW(part_weight=0.0, doubt_weight=0.0, rival_weight=0.0), voters=1),
         Graft("cost and ranking as in the paper", PAPER, voters=1),
         Graft("without features (alpha 0)", UFGW(alpha=0.0)),
         Graft("without saliency (gamma 1)", UFGW(saliency=1.0)),

@@ -12,6 +12,7 @@ from graft.evaluate.baselines import (
     RandomPart,
     RandomPoint,
     WholeObject,
+    image_methods,
 )
 from graft.evaluate.methods import Graft, GraftPredictor, Method
 from graft.evaluate.protocols import Benchmark
@@ -26,6 +27,7 @@ def methods() -> list[Method]:
         NearestDescriptor(),
         WholeObject(),
         FunctionalMap(),
+        *image_methods(),
         RandomPart(),
         RandomPoint(),
     ]

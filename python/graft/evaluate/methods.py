@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.random import Generator
 
-from graft.contact import TransferredContact, agree, transfer_contact
+from graft.contact import VOTERS, TransferredContact, agree, transfer_contact
 from graft.contact.canonical import box_frame
 from graft.evaluate.protocols import Benchmark, Query, Source
 from graft.features import Descriptor, GeometricDescriptor
@@ -102,9 +102,6 @@ class Solver(Protocol):
         """Return one transport per source, in order."""
         ...
 
-
-VOTERS = 5
-"""How many matches vote, as in the demo."""
 
 Landing = Literal["codes", "projected", "unaligned"]
 """Where on the matched part the contact lands: the surface point with the nearest Fourier code and normal;

@@ -13,6 +13,7 @@ from graft.evaluate.diversity import Diversity
 from graft.evaluate.intervals import Estimate, bootstrap_mean
 from graft.evaluate.protocols import Benchmark
 from graft.evaluate.rows import Answer, Row, code_fingerprint
+from graft.objects import Floats
 
 QUOTED: Mapping[str, Mapping[str, float]] = {"GRAFT, paper (quoted)": {"asr": 0.85, "nss": 0.82, "dtm": 0.02}}
 """Figures that others published, on their own objects; not measured here."""
@@ -115,11 +116,39 @@ def coverage_curve(rows: Sequence[Row]) -> list[tuple[float, float]]:
     Args:
         rows: Of one method; answers without a confidence count as the least sure.
     """
-    firsts = [row.answers[0] for row in rows if row.answers]
-    sure = [-np.inf if answer.confidence is None else answer.confidence for answer in firsts]
-    right = np.array([firsts[i].right for i in np.argsort(-np.array(sure), kind="stable")], np.float64)
+    right = _surest_first(rows)
     counts = [max(1, round(coverage * len(right))) for coverage in COVERAGES]
     return [(coverage, float(right[:count].mean())) for coverage, count in zip(COVERAGES, counts, strict=True)]
+
+
+def coverage_area(rows: Sequence[Row]) -> tuple[float, float]:
+    """Return the area under the coverage-accuracy curve, and the largest that the same answers allow.
+
+    The area is the mean accuracy over all numbers of answers given, surest first; it is largest when every right
+    answer comes before every wrong one.
+
+    Args:
+        rows: Of one method, as for `coverage_curve`.
+    """
+    right = _surest_first(rows)
+    area, most = (float((np.cumsum(r) / np.arange(1, len(r) + 1)).mean()) for r in (right, np.sort(right)[::-1]))
+    return area, most
+
+
+def calibration_error(rows: Sequence[Row]) -> float | None:
+    """Return the mean squared difference of confidence and being right (Brier 1950); None where none is in [0, 1]."""
+    firsts = [row.answers[0] for row in rows if row.answers]
+    sure = np.array([np.nan if answer.confidence is None else answer.confidence for answer in firsts])
+    if not ((sure >= 0) & (sure <= 1)).all():
+        return None
+    return float(np.square(sure - [answer.right for answer in firsts]).mean())
+
+
+def _surest_first(rows: Sequence[Row]) -> Floats:
+    """Return 1 for every right answer and 0 for every wrong one, the surest first."""
+    firsts = [row.answers[0] for row in rows if row.answers]
+    sure = [-np.inf if answer.confidence is None else answer.confidence for answer in firsts]
+    return np.array([firsts[i].right for i in np.argsort(-np.array(sure), kind="stable")], np.float64)
 
 
 def document(
@@ -166,6 +195,10 @@ def document(
         },
         "coverage": {
             name: coverage_curve([row for row in rows if row.method == name])
+            for name in dict.fromkeys(row.method for row in rows if not row.exchangeable)
+        },
+        "coverage_area": {
+            name: coverage_area([row for row in rows if row.method == name])
             for name in dict.fromkeys(row.method for row in rows if not row.exchangeable)
         },
         "diversity": [asdict(found) for found in varied],

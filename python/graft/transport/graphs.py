@@ -12,16 +12,24 @@ from graft import _core
 from graft.errors import InputError
 from graft.graph import PartGraph, source_mass, target_prior
 from graft.objects import Floats
-from graft.transport.solver import Cost, Entropy, Loss, Transport, ufgw_batch
+from graft.transport.costs import Cost
+from graft.transport.result import Transport
+from graft.transport.solver import Entropy, Loss, ufgw_batch
 
 SALIENCY = 0.6
 """The paper's gamma: factor on a part's mass per hop from the demonstrated part."""
 
 SMALLEST_SHARE = 1e-9
-"""Shares below this (a demonstrated part that goes nowhere) count as this in the ranking."""
+"""Shares and claims below this (a demonstrated part that goes nowhere) count as this in the ranking."""
 
 EM_RATE = 0.4
 """The paper's lambda of the M-step."""
+
+
+def claim(plan: Floats, source_part: int, target_part: int) -> float:
+    """Return how much of what a target part receives comes from a source part, in [0, 1]; 0 of nothing."""
+    received = float(plan[:, target_part].sum())
+    return float(plan[source_part, target_part]) / received if received > 0 else 0.0
 
 
 def part_shares(plan: Floats, target_mass: Floats, source_part: int) -> Floats:
@@ -65,10 +73,11 @@ class UFGW:
     structures are the graphs' edge lengths; source masses are volumes damped by `saliency` per hop from the
     demonstrated part, the target's prior is its volumes.
 
-    A match is ranked by the transport's cost plus two terms about the demonstrated part p, which goes to part q with a
-    share of s (`matched_part`): `part_weight` M_pq, as most of a transport's cost is about bodies, which are large,
-    and says little about the part that is taken; and `doubt_weight` -log s, as a source that cannot tell two of the
-    target's parts apart should not be the one to choose.
+    A match is ranked by the transport's cost plus three terms about the demonstrated part p, which goes to part q with
+    a share of s (`matched_part`): `part_weight` M_pq, as most of a transport's cost is about bodies, which are large,
+    and says little about the part that is taken; `doubt_weight` -log s, as a source that cannot tell two of the
+    target's parts apart should not be the one to choose; and `rival_weight` -log c, where c is the share of q's mass
+    that comes from p (`claim`), as a source with another part that resembles q more speaks against q.
 
     Attributes:
         alpha: Weight of the features; 1 - alpha weighs the structure (POT's alpha is the opposite).
@@ -85,6 +94,7 @@ class UFGW:
         lambda_relation: Weight of the relations in M; 0 is the paper's.
         part_weight: Weight of the demonstrated part's own feature cost in the ranking; 0 is the paper's.
         doubt_weight: Weight of -log share in the ranking; 0 is the paper's.
+        rival_weight: Weight of -log claim in the ranking; 0 is the paper's.
         variant: "graft", or "paper" for the literal sigmoid of the extents' distance and cos, the latter plus 1 to be
             a cost.
         cost: What transports are ranked by, see `graft.transport.ufgw`.
@@ -106,6 +116,7 @@ class UFGW:
     lambda_relation: float = 1.0
     part_weight: float = 0.3
     doubt_weight: float = 0.1
+    rival_weight: float = 0.2
     variant: Literal["graft", "paper"] = "graft"
     cost: Cost = "sharp"
     tol: float = 1e-6
@@ -171,8 +182,10 @@ class UFGW:
         part, share = matched_part(transport.plan, transport.target_mass, source_part)
         own = self.part_weight * float(features[source_part, part])
         doubt = -self.doubt_weight * float(np.log(max(share, SMALLEST_SHARE)))
-        terms = {**transport.terms, "part": own, "doubt": doubt}
-        return replace(transport, cost=transport.cost + own + doubt, terms=terms)
+        claimed = claim(transport.plan, source_part, part)
+        rivals = -self.rival_weight * float(np.log(max(claimed, SMALLEST_SHARE)))
+        terms = {**transport.terms, "part": own, "doubt": doubt, "rivals": rivals}
+        return replace(transport, cost=transport.cost + own + doubt + rivals, terms=terms)
 
     def features(self, sources: Sequence[PartGraph], target: PartGraph) -> list[Floats]:
         """Return the feature cost M (n_k, m) of every source against the target.

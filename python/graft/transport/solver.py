@@ -13,9 +13,7 @@ never rises.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from types import MappingProxyType
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -23,7 +21,10 @@ from numpy.typing import ArrayLike
 
 from graft import _core
 from graft.errors import InputError
-from graft.objects import Floats
+from graft.transport import costs
+from graft.transport.costs import Cost
+from graft.transport.pairs import Pairs, array
+from graft.transport.result import Transport, Transports, named
 
 Loss = Literal["square", "absolute"]
 """How structures are compared: (a - b)^2, or |a - b| (the paper's literal l2 norm of a scalar; n^2 m^2
@@ -33,47 +34,9 @@ Entropy = Literal["relative", "plain", "unit"]
 """eps KL(T | mu nu'), which splitting a node leaves alone; eps sum T log T (the paper's -eps H); eps KL(T
 | 1)."""
 
-Cost = Literal["sharp", "objective", "paper", "debiased"]
-"""What `Transport.cost` is; see `ufgw`."""
-
-TERMS = ("structure", "feature", "marginal_source", "marginal_target", "entropy", "prior")
-"""Weighted terms: the first five sum to F, all six to J."""
-
-_COSTS = ("sharp", "objective", "paper", "debiased")
-
-
-@dataclass(frozen=True, eq=False)
-class Transport:
-    """A transport plan and what the solver knows about it.
-
-    Attributes:
-        plan: (n, m) T, masses.
-        source_mass: (n,) mu, as given.
-        target_mass: (m,) nu: as given, with EM as estimated.
-        f: (n,) source potential; T = R exp((f_i + g_j - C_ij) / eps) at a fixed point, where
-            C = (1-alpha) C_GW(T) + alpha M. 0 for nodes without mass.
-        g: (m,) target potential.
-        terms: Weighted terms of the objective by name (`TERMS`).
-        objective: F at the plan.
-        cost: What matches are ranked by, lower is better.
-        n_iters: Linearisations.
-        n_sweeps: Sinkhorn sweeps.
-        converged: Whether plan, target masses and marginals settled to the tolerance.
-        history: F (with EM: J) at the start and after every iteration, when asked for.
-    """
-
-    plan: Floats
-    source_mass: Floats
-    target_mass: Floats
-    f: Floats
-    g: Floats
-    terms: Mapping[str, float]
-    objective: float
-    cost: float
-    n_iters: int
-    n_sweeps: int
-    converged: bool
-    history: Floats | None = None
+Precision = Literal["f64", "f32"]
+"""Floats of the iteration over small pairs. "f32" is twice as fast and good to about 1e-5; pairs that it cannot hold or
+settle are solved again in "f64"."""
 
 
 def ufgw(
@@ -92,6 +55,10 @@ def ufgw(
     em_rate: float | None = None,
     prior: ArrayLike | None = None,
     start: ArrayLike | None = None,
+    start_g: ArrayLike | None = None,
+    n_init: int = 1,
+    seed: int = 0,
+    precision: Precision = "f64",
     cost: Cost = "sharp",
     self_features: tuple[ArrayLike, ArrayLike] | None = None,
     tol: float = 1e-6,
@@ -117,9 +84,13 @@ def ufgw(
         prior: (m,) what EM pulls the target masses to; nu if None. Read only with EM; a node without prior
             mass then gets a column of zeros.
         start: (n, m) plan to start from, >= 0; mu nu' / sqrt(sum mu sum nu) if None.
-        cost: "sharp", F without the entropy, comparable across sizes; "objective", F; "paper", the paper's
-            equation 2, sharp + eps sum T log T; "debiased", F(s,t) - F(s,s)/2 - F(t,t)/2
-            + eps/2 (sum mu - sum nu)^2, which needs `self_features` and the relative entropy.
+        start_g: (m,) target potential to start from, e.g. `Transport.g` of a similar pair; 0 if None. (The source's
+            follows from it.)
+        n_init: How many starts; those after the first are random plans. The lowest objective wins.
+        seed: Of the random starts.
+        precision: "f64" or "f32".
+        cost: "sharp", "objective", "paper" or "debiased", see `graft.transport.costs.Cost`; "debiased" needs
+            `self_features` and the relative entropy.
         self_features: M of the source with itself (n, n) and of the target with itself (m, m).
         tol: Relative L1 change at which plan, target masses and marginals count as settled.
         max_outer: Linearisations at most.
@@ -129,27 +100,56 @@ def ufgw(
         InputError: An argument has the wrong shape, is empty, negative, not finite or out of range; the
             message names it.
     """
-    return ufgw_batch(
-        [M],
-        [A],
-        [B],
-        [mu],
-        [nu],
-        alpha=alpha,
-        tau_s=tau_s,
-        tau_t=tau_t,
-        eps=eps,
-        loss=loss,
-        entropy=entropy,
-        em_rate=em_rate,
-        prior=None if prior is None else [prior],
-        start=None if start is None else [start],
-        cost=cost,
-        self_features=None if self_features is None else [self_features],
-        tol=tol,
-        max_outer=max_outer,
-        history=history,
-    )[0]
+    if cost == "debiased":
+        return ufgw_batch(
+            [M], [A], [B], [mu], [nu], alpha=alpha, tau_s=tau_s, tau_t=tau_t, eps=eps, loss=loss, entropy=entropy,
+            em_rate=em_rate, prior=None if prior is None else [prior], start=None if start is None else [start],
+            start_g=None if start_g is None else [start_g], n_init=n_init, seed=seed, precision=precision,
+            cost=cost, self_features=None if self_features is None else [self_features], tol=tol,
+            max_outer=max_outer, history=history,
+        )[0]  # fmt: skip
+    costs.check(cost)
+    _check_counts(max_outer, n_init, seed)
+    source_mass, target_mass = array("mu", mu, None), array("nu", nu, None)
+    n, m = len(source_mass), len(target_mass)
+    try:
+        plan, masses, f, g, terms, values, n_iters, n_sweeps, converged = _core.ufgw_pair(
+            array("M", M, (n, m)),
+            array("A", A, (n, n)),
+            array("B", B, (m, m)),
+            source_mass,
+            target_mass,
+            None if prior is None else array("prior", prior, (m,)),
+            None if start is None else array("start", start, (n, m)),
+            None if start_g is None else array("start_g", start_g, (m,)),
+            alpha,
+            tau_s,
+            tau_t,
+            eps,
+            loss,
+            entropy,
+            em_rate,
+            tol,
+            max_outer,
+            n_init,
+            seed,
+            precision,
+            history,
+        )
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    objective = sum(terms[:5])
+    if cost == "sharp":
+        value = sum(terms[:4])
+    elif cost == "objective":
+        value = objective
+    else:
+        value = sum(terms[:4]) + eps * costs.negative_entropy(plan)
+    # The masses are the caller's array: kept apart from what becomes of it.
+    return Transport(
+        plan, source_mass.copy(), masses, f, g, named(terms), objective, value, n_iters, n_sweeps, converged,
+        values if history else None,
+    )  # fmt: skip
 
 
 def ufgw_batch(
@@ -168,210 +168,130 @@ def ufgw_batch(
     em_rate: float | None = None,
     prior: Sequence[ArrayLike] | None = None,
     start: Sequence[ArrayLike] | None = None,
+    start_g: Sequence[ArrayLike] | None = None,
+    n_init: int = 1,
+    seed: int = 0,
+    precision: Precision = "f64",
     cost: Cost = "sharp",
-    self_features: Sequence[tuple[ArrayLike, ArrayLike]] | None = None,
+    self_features: costs.SelfFeatures | None = None,
     tol: float = 1e-6,
     max_outer: int = 200,
     history: bool = False,
     threads: int = 0,
-) -> list[Transport]:
+) -> Transports:
     """Solve many pairs, of any sizes, in one call that releases the GIL.
 
+    Takes sequences of what `ufgw` takes, one entry per pair: M of (n_k, m_k) and so on. Where the arrays lie end to
+    end already, `ufgw_packed` saves their packing.
+
+    Returns:
+        One transport per pair, in order; each is what `ufgw` gives for that pair, to the last bit. Random starts
+        (`n_init`) differ from pair to pair.
+
+    Raises:
+        InputError: Sequences of different lengths, or an argument as in `ufgw`; the message names argument
+            and pair.
+    """
+    pairs = Pairs.pack(M, A, B, mu, nu, prior, start, start_g)
+    return ufgw_packed(
+        pairs, alpha=alpha, tau_s=tau_s, tau_t=tau_t, eps=eps, loss=loss, entropy=entropy, em_rate=em_rate,
+        n_init=n_init, seed=seed, precision=precision, cost=cost, self_features=self_features, tol=tol,
+        max_outer=max_outer, history=history, threads=threads,
+    )  # fmt: skip
+
+
+def ufgw_packed(
+    pairs: Pairs,
+    *,
+    alpha: float = 0.5,
+    tau_s: float = 1.0,
+    tau_t: float = 1.0,
+    eps: float = 0.05,
+    loss: Loss = "square",
+    entropy: Entropy = "relative",
+    em_rate: float | None = None,
+    n_init: int = 1,
+    seed: int = 0,
+    precision: Precision = "f64",
+    cost: Cost = "sharp",
+    self_features: costs.SelfFeatures | None = None,
+    tol: float = 1e-6,
+    max_outer: int = 200,
+    history: bool = False,
+    threads: int = 0,
+    instructions: Literal["best", "avx512", "avx2", "baseline"] = "best",
+) -> Transports:
+    """Solve packed pairs; see `ufgw` for the options and `ufgw_batch` for what comes back.
+
     Args:
-        M: One feature cost per pair, (n_k, m_k); the other sequences likewise. See `ufgw` for all other
-            arguments.
-        A: Source structures.
-        B: Target structures.
-        mu: Source masses.
-        nu: Target masses.
-        alpha: See `ufgw`.
+        pairs: See `Pairs`.
+        alpha: See `ufgw`, as all below but the last two.
         tau_s: See `ufgw`.
         tau_t: See `ufgw`.
         eps: See `ufgw`.
         loss: See `ufgw`.
         entropy: See `ufgw`.
         em_rate: See `ufgw`.
-        prior: Priors, or None.
-        start: Plans to start from, or None.
+        n_init: See `ufgw`.
+        seed: See `ufgw`.
+        precision: See `ufgw`.
         cost: See `ufgw`.
-        self_features: Pairs of self costs, or None.
+        self_features: One pair of self costs per pair, or None.
         tol: See `ufgw`.
         max_outer: See `ufgw`.
         history: See `ufgw`.
         threads: How many threads; 0 takes one per core. The results do not depend on it.
-
-    Returns:
-        One transport per pair, in order; each is what `ufgw` gives for that pair.
+        instructions: The most that may be used of the processor; the results do not depend on it either.
 
     Raises:
-        InputError: Sequences of different lengths, or an argument as in `ufgw`; the message names argument
-            and pair.
+        InputError: An array's length contradicts `pairs.sizes`, or an argument as in `ufgw`.
     """
-    pairs = len(M)
-    for name, sequence in (("A", A), ("B", B), ("mu", mu), ("nu", nu), ("prior", prior), ("start", start)):
-        if sequence is not None and len(sequence) != pairs:
-            raise InputError(f"{name}: expected {pairs} arrays, one per M, got {len(sequence)}")
-    if cost not in _COSTS:
-        raise InputError(f"cost: expected one of {', '.join(_COSTS)}, got {cost}")
-    if max_outer < 1:
-        raise InputError(f"max_outer: expected at least 1, got {max_outer}")
+    costs.check(cost)
+    _check_counts(max_outer, n_init, seed)
     if threads < 0:
         raise InputError(f"threads: expected 0 or more, got {threads}")
-    if not pairs:
-        return []
-    mus = [_array("mu", x, None, k, pairs) for k, x in enumerate(mu)]
-    nus = [_array("nu", x, None, k, pairs) for k, x in enumerate(nu)]
-    sizes = [(len(s), len(t)) for s, t in zip(mus, nus, strict=True)]
-    shapes: dict[str, list[tuple[int, ...]]] = {
-        "M": [(n, m) for n, m in sizes],
-        "A": [(n, n) for n, _ in sizes],
-        "B": [(m, m) for _, m in sizes],
-        "prior": [(m,) for _, m in sizes],
-        "start": [(n, m) for n, m in sizes],
-    }
-
-    def packed(name: str, arrays: Sequence[ArrayLike]) -> Floats:
-        checked = [_array(name, x, shapes[name][k], k, pairs).ravel() for k, x in enumerate(arrays)]
-        return np.concatenate(checked)
-
-    try:
-        plans, masses, fs, gs, terms, histories, lengths, n_iters, n_sweeps, converged = _core.ufgw_batch(
-            np.array(sizes, np.int64),
-            packed("M", M),
-            packed("A", A),
-            packed("B", B),
-            np.concatenate(mus),
-            np.concatenate(nus),
-            None if prior is None else packed("prior", prior),
-            None if start is None else packed("start", start),
-            alpha=alpha,
-            tau_s=tau_s,
-            tau_t=tau_t,
-            eps=eps,
-            loss=loss,
-            entropy=entropy,
-            em_rate=em_rate,
-            tol=tol,
-            max_outer=max_outer,
-            threads=threads,
+    if not len(pairs):
+        none, counts = np.empty(0), np.empty(0, np.int64)
+        return Transports(
+            pairs.sizes, none, none, none, none, none, np.empty((0, 6)), none, counts, counts, np.empty(0, np.bool_)
         )
+    sides = costs.self_sides(self_features, len(pairs), entropy) if cost == "debiased" else None
+    try:
+        plans, masses, f, g, terms, values, lengths, n_iters, n_sweeps, converged = _core.ufgw_batch(
+            pairs.sizes, pairs.M, pairs.A, pairs.B, pairs.mu, pairs.nu, pairs.prior, pairs.start, pairs.start_g,
+            alpha=alpha, tau_s=tau_s, tau_t=tau_t, eps=eps, loss=loss, entropy=entropy, em_rate=em_rate, tol=tol,
+            max_outer=max_outer, n_init=n_init, seed=seed, precision=precision, history=history, threads=threads,
+            instructions=instructions,
+        )  # fmt: skip
     except ValueError as error:
         raise InputError(str(error)) from None
-
-    rows = np.cumsum([0, *(n for n, _ in sizes)])
-    cols = np.cumsum([0, *(m for _, m in sizes)])
-    cells = np.cumsum([0, *(n * m for n, m in sizes)])
-    steps = np.cumsum([0, *lengths])
-    objectives = terms[:, :5].sum(axis=1)
-    split = [plans[cells[k] : cells[k + 1]].reshape(size) for k, size in enumerate(sizes)]
-    masses_of = [masses[cols[k] : cols[k + 1]] for k in range(pairs)]
-    if cost == "objective":
-        costs = objectives
-    elif cost == "debiased":
-        selves = _self_objectives(
-            A,
-            B,
-            mus,
-            masses_of,
-            self_features,
-            entropy,
-            alpha,
-            tau_s,
-            tau_t,
-            eps,
-            loss,
-            tol,
-            max_outer,
-            threads,
-        )
-        gaps = np.array([s.sum() - t.sum() for s, t in zip(mus, masses_of, strict=True)])
-        costs = objectives - selves / 2 + eps / 2 * gaps**2
+    rows, cols = pairs.sizes[:, 0], pairs.sizes[:, 1]
+    if sides is not None:
+        own = np.zeros(len(pairs))
+        both = ((sides[0], pairs.A, pairs.mu, rows, tau_s), (sides[1], pairs.B, masses, cols, tau_t))
+        # Source and target marginals of a self transport are priced alike, and it starts from the identity.
+        for features, structure, mass, counts, tau in both:
+            split = np.split(mass, np.cumsum(counts)[:-1])
+            matrices = np.split(structure, np.cumsum(counts**2)[:-1])
+            square = [x.reshape(k, k) for x, k in zip(matrices, counts, strict=True)]
+            own += ufgw_batch(
+                features, square, square, split, split, alpha=alpha, tau_s=tau, tau_t=tau, eps=eps, loss=loss,
+                start=[np.diag(x) for x in split], tol=tol, max_outer=max_outer, threads=threads,
+            ).objective  # fmt: skip
+        edges = [np.concatenate(([0], np.cumsum(x)[:-1])) for x in (rows, cols)]
+        gaps = np.add.reduceat(pairs.mu, edges[0]) - np.add.reduceat(masses, edges[1])
+        ranks = terms[:, :5].sum(axis=1) - own / 2 + eps / 2 * gaps**2
     else:
-        costs = terms[:, :4].sum(axis=1)
-        if cost == "paper":
-            costs = costs + eps * np.array([_negative_entropy(plan) for plan in split])
-    return [
-        Transport(
-            plan=split[k].copy(),
-            source_mass=mus[k],
-            target_mass=masses_of[k].copy(),
-            f=fs[rows[k] : rows[k + 1]].copy(),
-            g=gs[cols[k] : cols[k + 1]].copy(),
-            terms=MappingProxyType(dict(zip(TERMS, terms[k].tolist(), strict=True))),
-            objective=float(objectives[k]),
-            cost=float(costs[k]),
-            n_iters=int(n_iters[k]),
-            n_sweeps=int(n_sweeps[k]),
-            converged=bool(converged[k]),
-            history=histories[steps[k] : steps[k + 1]].copy() if history else None,
-        )
-        for k in range(pairs)
-    ]
+        each = np.split(plans, np.cumsum(rows * cols)[:-1]) if cost == "paper" else []
+        ranks = costs.plain(cost, terms, each, eps)
+    ends = np.concatenate(([0], np.cumsum(lengths)))
+    return Transports(
+        pairs.sizes, plans, pairs.mu, masses, f, g, terms, ranks, n_iters, n_sweeps, converged,
+        (values, ends) if history else None,
+    )  # fmt: skip
 
 
-def _array(name: str, value: ArrayLike, shape: tuple[int, ...] | None, pair: int, pairs: int) -> Floats:
-    """Return `value` as a C-contiguous float64 copy of the given shape (None: any vector)."""
-    where = f" (pair {pair})" if pairs > 1 else ""
-    expected = "a vector of numbers" if shape is None else f"numbers of shape {shape}"
-    try:
-        array = np.array(value, np.float64, order="C")
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: expected {expected}, got {type(value).__name__}{where}") from None
-    if array.ndim != 1 if shape is None else array.shape != shape:
-        raise InputError(f"{name}: expected {expected}, got shape {array.shape}{where}")
-    return array
-
-
-def _negative_entropy(plan: Floats) -> float:
-    """Return sum T log T with 0 log 0 = 0."""
-    positive = plan[plan > 0]
-    return float(positive @ np.log(positive))
-
-
-def _self_objectives(
-    A: Sequence[ArrayLike],
-    B: Sequence[ArrayLike],
-    mu: Sequence[Floats],
-    nu: Sequence[Floats],
-    self_features: Sequence[tuple[ArrayLike, ArrayLike]] | None,
-    entropy: Entropy,
-    alpha: float,
-    tau_s: float,
-    tau_t: float,
-    eps: float,
-    loss: Loss,
-    tol: float,
-    max_outer: int,
-    threads: int,
-) -> Floats:
-    """Return F(s,s) + F(t,t) of every pair, t with the masses EM found, started from the identity.
-
-    Source and target marginals of a self transport are priced alike: the source's with tau_s, the target's
-    with tau_t.
-    """
-    if self_features is None or len(self_features) != len(mu):
-        got = "none" if self_features is None else len(self_features)
-        raise InputError(f"self_features: cost='debiased' needs {len(mu)} pairs of matrices, got {got}")
-    if entropy != "relative":
-        raise InputError(f"entropy: cost='debiased' needs relative, got {entropy}")
-    total = np.zeros(len(mu))
-    sides = (([f[0] for f in self_features], A, mu, tau_s), ([f[1] for f in self_features], B, nu, tau_t))
-    for features, structure, mass, tau in sides:
-        own = ufgw_batch(
-            features,
-            structure,
-            structure,
-            mass,
-            mass,
-            alpha=alpha,
-            tau_s=tau,
-            tau_t=tau,
-            eps=eps,
-            loss=loss,
-            start=[np.diag(x) for x in mass],
-            tol=tol,
-            max_outer=max_outer,
-            threads=threads,
-        )
-        total += [transport.objective for transport in own]
-    return total
+def _check_counts(max_outer: int, n_init: int, seed: int) -> None:
+    for name, value, least in (("max_outer", max_outer, 1), ("n_init", n_init, 1), ("seed", seed, 0)):
+        if value < least:
+            raise InputError(f"{name}: expected at least {least}, got {value}")

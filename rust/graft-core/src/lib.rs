@@ -7,6 +7,7 @@ pub mod error;
 pub mod geometry;
 pub mod graph;
 pub mod render;
+pub mod retrieve;
 pub mod transport;
 
 pub use error::Error;

@@ -1,8 +1,10 @@
 //! Laws of the transport solver over random problems.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use graft_core::transport::batch::{Packed, solve_batch};
-use graft_core::transport::{Entropy, Input, Loss, Options, solve};
+use graft_core::transport::batch::{Packed, Precision, Run, solve_batch};
+use graft_core::transport::lanes::dispatch::{Instructions, instructions};
+use graft_core::transport::lanes::vector::{F32x32, F64x8, F64x16, Vector};
+use graft_core::transport::{Entropy, Input, Loss, Options, lanes, solve};
 use proptest::prelude::*;
 
 fn options() -> Options {
@@ -26,8 +28,38 @@ struct Pair([Vec<f64>; 5]);
 impl Pair {
     fn input(&self) -> Input<'_> {
         let [features, source, target, source_mass, target_mass] = &self.0;
-        Input { features, source, target, source_mass, target_mass, prior: None, start: None }
+        Input { features, source, target, source_mass, target_mass, prior: None, start: None, start_potential: None }
     }
+
+    /// The same pair with symmetric structures, as the lanes want them.
+    fn symmetric(mut self) -> Self {
+        for (matrix, side) in [(1, 3), (2, 4)] {
+            let n = self.0[side].len();
+            for i in 0..n {
+                for k in 0..i {
+                    self.0[matrix][i * n + k] = self.0[matrix][k * n + i];
+                }
+            }
+        }
+        self
+    }
+}
+
+fn run(threads: usize) -> Run {
+    Run { threads, precision: Precision::F64, history: false, instructions: instructions() }
+}
+
+/// Objective and plan of every pair by lanes of one kind; None where it was out of their range.
+fn in_lanes<V: Vector>(pairs: &[Pair], options: &Options, with: Instructions) -> Vec<Option<(f64, Vec<f64>)>> {
+    let inputs: Vec<Input> = pairs.iter().map(Pair::input).collect();
+    let numbered: Vec<(usize, &Input)> = inputs.iter().enumerate().collect();
+    let (solved, rejected) = lanes::run::<V>(&numbered, options, false, with);
+    assert_eq!(solved.len() + rejected.len(), pairs.len());
+    let mut found = vec![None; pairs.len()];
+    for (k, solution) in solved {
+        found[k] = Some((solution.terms.objective(), solution.plan));
+    }
+    found
 }
 
 fn pair() -> impl Strategy<Value = Pair> {
@@ -58,6 +90,41 @@ proptest! {
     }
 
     #[test]
+    fn lanes_solve_what_the_scalar_solver_solves(pairs in prop::collection::vec(pair(), 1..40), em in any::<bool>()) {
+        let small = |pair: Pair| {
+            let mut pair = pair.symmetric();
+            // Lengths are below 1 in what lanes are for.
+            for k in [1, 2] {
+                pair.0[k].iter_mut().for_each(|x| *x /= 1.0 + *x);
+            }
+            pair
+        };
+        let pairs: Vec<Pair> = pairs.into_iter().map(small).collect();
+        let options = Options { tol: 1e-10, max_outer: 2000, em_rate: em.then_some(0.4), ..options() };
+        let best = in_lanes::<F64x16>(&pairs, &options, instructions());
+        for (pair, found) in pairs.iter().zip(&best) {
+            let (objective, plan) = found.as_ref().unwrap();
+            let scalar = solve(&pair.input(), &options).unwrap();
+            prop_assert!((scalar.terms.objective() - objective).abs() <= 1e-9 * (1.0 + objective.abs()));
+            let mass: f64 = plan.iter().sum();
+            let apart: f64 = plan.iter().zip(&scalar.plan).map(|(a, b)| (a - b).abs()).sum();
+            prop_assert!(apart <= 1e-7 * mass, "{apart} of {mass}");
+        }
+        // Bits depend neither on the width nor on the instructions.
+        for with in [Instructions::Baseline, Instructions::Avx2, Instructions::Avx512] {
+            prop_assert!(best == in_lanes::<F64x8>(&pairs, &options, with));
+            prop_assert!(best == in_lanes::<F64x16>(&pairs, &options, with));
+        }
+        let coarse = Options { tol: 1e-5, ..options };
+        // Single precision may hand a pair back; what it solves is near.
+        for found in in_lanes::<F32x32>(&pairs, &coarse, instructions()).iter().zip(&best) {
+            if let (Some((single, _)), Some((double, _))) = found {
+                prop_assert!((single - double).abs() <= 1e-4 * (1.0 + double.abs()), "{single} {double}");
+            }
+        }
+    }
+
+    #[test]
     fn a_constant_added_to_both_structures_changes_nothing(pair in pair()) {
         let mut shifted = pair.clone();
         for k in [1, 2] {
@@ -81,6 +148,7 @@ fn a_batch_says_which_array_its_sizes_contradict() {
         target_mass: &[1.0; 3],
         prior: None,
         start: None,
+        start_potential: None,
     };
     let error = data.inputs().unwrap_err().to_string();
     assert_eq!(error, "B: expected 4 more numbers, got 3");
@@ -89,7 +157,7 @@ fn a_batch_says_which_array_its_sizes_contradict() {
     assert_eq!(error, "B: expected as many numbers as sizes say, got 1 more");
     let fitting = Packed { target: &target[..5], ..data };
     let inputs = fitting.inputs().unwrap();
-    assert_eq!(solve_batch(&inputs, &options(), 2).unwrap().len(), 2);
-    let (pair, error) = solve_batch(&inputs, &Options { eps: 0.0, ..options() }, 2).unwrap_err();
+    assert_eq!(solve_batch(&inputs, &options(), &run(2)).unwrap().len(), 2);
+    let (pair, error) = solve_batch(&inputs, &Options { eps: 0.0, ..options() }, &run(2)).unwrap_err();
     assert_eq!((pair, error.to_string().as_str()), (0, "eps: expected a finite number > 0, got 0"));
 }

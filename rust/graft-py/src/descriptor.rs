@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 #[pyfunction]
 #[pyo3(signature = (vertices, faces, vertex_offsets, face_offsets, *, families, samples, seed, raw = false))]
 // pyo3 hands arguments over by value; one argument per array is the border.
-#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)]
+#[allow(clippy::too_many_arguments)]
 pub fn describe_parts<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,
@@ -43,7 +43,6 @@ pub fn describe_parts<'py>(
 
 /// Width of the rows of `describe_parts`.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value)]
 pub fn descriptor_dim(families: Vec<String>) -> PyResult<usize> {
     Ok(Options { families: named(&families)?, samples: descriptor::MIN_SAMPLES, seed: 0 }.dim())
 }

@@ -105,7 +105,7 @@ fn shapes(
 /// hull volumes, flag bits (1 degenerate, 2 flat, 4 symmetric), sampled points and normals.
 #[pyfunction]
 #[pyo3(signature = (vertices, normals, vertex_counts, faces, face_counts, samples, seed))]
-#[allow(clippy::type_complexity, clippy::needless_pass_by_value, clippy::too_many_arguments)]
+#[allow(clippy::type_complexity, clippy::too_many_arguments)]
 pub fn part_geometry<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,
@@ -161,7 +161,7 @@ pub fn part_geometry<'py>(
 
 /// The minimal box of a point set: centre (3,), axes (3, 3) in columns, longest first, half extents (3,).
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value, clippy::type_complexity)]
+#[allow(clippy::type_complexity)]
 pub fn oriented_box<'py>(
     py: Python<'py>,
     points: PyReadonlyArray2<'py, f64>,
@@ -183,7 +183,7 @@ pub fn oriented_box<'py>(
 
 /// The convex hull of a point set: vertices (v, 3) and outward faces (f, 3); no faces when it is flat.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value, clippy::type_complexity)]
+#[allow(clippy::type_complexity)]
 pub fn convex_hull<'py>(
     py: Python<'py>,
     points: PyReadonlyArray2<'py, f64>,

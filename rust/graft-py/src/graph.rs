@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::convert::{finite, slice, to_py};
 use crate::geometry::boxes;
 
-fn square<'py, T: numpy::Element>(py: Python<'py>, n: usize, data: Vec<T>) -> PyResult<Bound<'py, PyArray2<T>>> {
+fn square<T: numpy::Element>(py: Python<'_>, n: usize, data: Vec<T>) -> PyResult<Bound<'_, PyArray2<T>>> {
     let table =
         Array2::from_shape_vec((n, n), data).map_err(|e| to_py(&Error::shape("table", format!("({n}, {n})"), e)))?;
     Ok(table.into_pyarray(py))
@@ -24,7 +24,6 @@ fn check_square(name: &'static str, (rows, columns): (usize, usize), n: usize) -
 
 /// Distances (n, n) between boxes.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value)]
 pub fn box_gaps<'py>(
     py: Python<'py>,
     centers: PyReadonlyArray2<'py, f64>,
@@ -38,7 +37,6 @@ pub fn box_gaps<'py>(
 /// Edge lengths (n, n) in [0, 1) between all pairs, or along the adjacency when one is given.
 #[pyfunction]
 #[pyo3(signature = (centers, axes, half_extents, unit, adjacency=None))]
-#[allow(clippy::needless_pass_by_value)]
 pub fn edge_lengths<'py>(
     py: Python<'py>,
     centers: PyReadonlyArray2<'py, f64>,
@@ -65,7 +63,6 @@ pub fn edge_lengths<'py>(
 
 /// Adjacency (n, n): joints (j, 2) where there are any, else gaps of at most the threshold; always connected.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value)]
 pub fn part_adjacency<'py>(
     py: Python<'py>,
     gaps: PyReadonlyArray2<'py, f64>,
@@ -89,7 +86,6 @@ pub fn part_adjacency<'py>(
 
 /// Steps (n,) from one part to each, breadth first; n where there is no way.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value)]
 pub fn part_hops<'py>(
     py: Python<'py>,
     adjacency: PyReadonlyArray2<'py, bool>,
@@ -107,7 +103,7 @@ pub fn part_hops<'py>(
 /// How each part lies in its object: rows (n, 34) of length at most 1, or the raw features (n, 17), NaN where unknown.
 #[pyfunction]
 #[pyo3(signature = (centers, axes, half_extents, points, areas, diagonal, up=None, *, raw=false))]
-#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)]
+#[allow(clippy::too_many_arguments)]
 pub fn part_relations<'py>(
     py: Python<'py>,
     centers: PyReadonlyArray2<'py, f64>,

@@ -1,10 +1,14 @@
 //! The Python border of graft-core: declares, converts, calls. No computing here.
 
+// pyo3 hands arguments over by value.
+#![allow(clippy::needless_pass_by_value)]
+
 mod convert;
 mod descriptor;
 mod geometry;
 mod graph;
 mod render;
+mod retrieve;
 mod transport;
 
 /// The compiled core of graft.
@@ -20,7 +24,9 @@ mod _core {
     #[pymodule_export]
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]
-    use super::transport::{feature_costs, ufgw_batch};
+    use super::retrieve::rank_graphs;
+    #[pymodule_export]
+    use super::transport::{feature_costs, ufgw_batch, ufgw_pair};
     #[pymodule_export]
     use crate::geometry::{chamfer_distances, convex_hull, oriented_box, part_geometry};
     #[pymodule_export]

@@ -23,7 +23,7 @@ where
 #[pyfunction]
 #[pyo3(signature = (*, vertices, faces, face_groups, centers, radii, center_groups, colors, camera, width, height))]
 // One argument for each array that crosses.
-#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)]
+#[allow(clippy::too_many_arguments)]
 pub fn render_scene<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,
@@ -62,7 +62,6 @@ pub fn render_scene<'py>(
 
 /// Return how far each ray goes until it hits the mesh, infinity where it does not.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value)]
 pub fn cast_rays<'py>(
     py: Python<'py>,
     vertices: PyReadonlyArray2<'py, f64>,

@@ -90,15 +90,15 @@ mod tests {
         ) {
             let all = points.iter().map(|p| squared(p, &query)).fold(f64::INFINITY, f64::min);
             let tree = Nearest::new(&points);
-            prop_assert_eq!(tree.squared_distance(&query, f64::INFINITY), all);
-            prop_assert_eq!(tree.squared_distance(&query, all / 2.0), all / 2.0);
+            prop_assert_eq!(tree.squared_distance(&query, f64::INFINITY).to_bits(), all.to_bits());
+            prop_assert_eq!(tree.squared_distance(&query, all / 2.0).to_bits(), (all / 2.0).to_bits());
         }
     }
 
     #[test]
     fn many_equal_points_and_none() {
         let tree = Nearest::new(&[[1.0, 2.0, 3.0]; 100]);
-        assert_eq!(tree.squared_distance(&[1.0, 2.0, 5.0], f64::INFINITY), 4.0);
-        assert_eq!(Nearest::new(&[]).squared_distance(&[0.0; 3], 7.0), 7.0);
+        assert_eq!(tree.squared_distance(&[1.0, 2.0, 5.0], f64::INFINITY).to_bits(), 4.0_f64.to_bits());
+        assert_eq!(Nearest::new(&[]).squared_distance(&[0.0; 3], 7.0).to_bits(), 7.0_f64.to_bits());
     }
 }

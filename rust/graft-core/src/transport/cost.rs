@@ -6,6 +6,7 @@
 //! structures is the usual A^2 u + B^2 v - 2 A T B.
 
 use super::problem::{Loss, Problem};
+use super::wide::{add_product, dot};
 
 /// Structure matrices prepared for many products.
 #[derive(Debug)]
@@ -98,28 +99,12 @@ impl Structure {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
 /// out += scale * A T B.
 #[allow(clippy::too_many_arguments)]
 fn add_sandwich(scale: f64, a: &[f64], t: &[f64], b: &[f64], scratch: &mut [f64], out: &mut [f64], n: usize, m: usize) {
     scratch.fill(0.0);
     add_product(1.0, a, t, scratch, n, m);
     add_product(scale, scratch, b, out, m, m);
-}
-
-/// out (rows x m) += scale * X (rows x k) Y (k x m), row by row so that the inner loop is contiguous.
-fn add_product(scale: f64, x: &[f64], y: &[f64], out: &mut [f64], k: usize, m: usize) {
-    for (x_row, out_row) in x.chunks_exact(k).zip(out.chunks_exact_mut(m)) {
-        for (x, y_row) in x_row.iter().zip(y.chunks_exact(m)) {
-            let x = scale * x;
-            for (o, y) in out_row.iter_mut().zip(y_row) {
-                *o += x * y;
-            }
-        }
-    }
 }
 
 /// out_ij += sum |A_ii' - B_jj'| T_i'j', of the transposed structures if asked.

@@ -10,7 +10,9 @@
 //! alpha weighs features and 1 - alpha structure, as in the paper; POT's alpha is the opposite.
 //!
 //! [`problem`] checks the data, [`cost`] linearises the structure term, [`sinkhorn`] solves the linear problem,
-//! [`objective`] evaluates F, [`ufgw`] loops, [`batch`] runs many pairs, [`feature`] makes M from part graphs.
+//! [`objective`] evaluates F, [`ufgw`] loops. [`lanes`] does the same for many small pairs at once, [`batch`] sends every
+//! pair where it belongs, [`starts`] tries several starts, [`wide`] has the inner loops, [`feature`] makes M from
+//! part graphs.
 
 // C_GW, T_ij and A_ii' are mathematics, not code.
 #![allow(clippy::doc_markdown)]
@@ -18,10 +20,13 @@
 pub mod batch;
 pub mod cost;
 pub mod feature;
+pub mod lanes;
 pub mod objective;
 pub mod problem;
 pub mod sinkhorn;
+pub mod starts;
 pub mod ufgw;
+pub mod wide;
 
 pub use problem::{Entropy, Input, Loss, Options, Problem};
 pub use ufgw::{Solution, solve};

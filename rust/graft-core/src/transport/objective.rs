@@ -1,6 +1,7 @@
 //! The terms of F at a plan, and the plan's place on a line search.
 
 use super::problem::{Entropy, Loss, Options, Problem};
+use super::wide::{self, dot};
 
 /// p log(p / q) - p + q, with 0 log 0 = 0; q > 0.
 #[must_use]
@@ -70,13 +71,8 @@ impl Point {
 
     /// Recompute both marginals.
     pub fn sum(&mut self) {
-        self.v.fill(0.0);
-        for (u, row) in self.u.iter_mut().zip(self.plan.chunks_exact(self.v.len())) {
-            *u = row.iter().sum();
-            for (v, t) in self.v.iter_mut().zip(row) {
-                *v += t;
-            }
-        }
+        wide::row_sums(&self.plan, &vec![1.0; self.v.len()], &mut self.u);
+        wide::col_sums(&self.plan, &vec![1.0; self.u.len()], &mut self.v);
     }
 
     /// Total mass.
@@ -112,10 +108,6 @@ pub struct Objective<'a> {
 
 fn sum(x: &[f64]) -> f64 {
     x.iter().sum()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn priced(tau: f64, p: &[f64], q: &[f64]) -> f64 {

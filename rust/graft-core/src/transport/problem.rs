@@ -46,7 +46,11 @@ pub struct Options {
 }
 
 impl Options {
-    fn check(&self) -> Result<(), Error> {
+    /// Check every number's range.
+    ///
+    /// # Errors
+    /// The parameter that is out of range.
+    pub fn check(&self) -> Result<(), Error> {
         let range = |name, ok: bool, expected: &str, got: f64| {
             if ok { Ok(()) } else { Err(Error::value(name, expected, got)) }
         };
@@ -89,6 +93,8 @@ pub struct Input<'a> {
     pub prior: Option<&'a [f64]>,
     /// Plan to start from (n x m), non-negative.
     pub start: Option<&'a [f64]>,
+    /// Target potential g to start from (m).
+    pub start_potential: Option<&'a [f64]>,
 }
 
 /// A checked problem over the nodes that have mass.
@@ -112,6 +118,8 @@ pub struct Problem {
     pub prior: Vec<f64>,
     /// Start plan (n x m).
     pub start: Option<Vec<f64>>,
+    /// Start potential g (m).
+    pub start_potential: Option<Vec<f64>>,
     /// The caller's index of each source node.
     pub rows: Vec<usize>,
     /// The caller's index of each target node.
@@ -133,14 +141,15 @@ fn numbers(name: &'static str, values: &[f64], len: usize, nonnegative: bool) ->
     if values.len() != len {
         return Err(Error::shape(name, format!("{len} numbers"), values.len()));
     }
-    let bad = |x: &f64| x.is_nan() || x.abs() >= LARGEST || (nonnegative && *x < 0.0);
-    match values.iter().position(bad) {
-        None => Ok(()),
-        Some(at) => {
-            let kind = if nonnegative { "finite numbers >= 0" } else { "finite numbers" };
-            Err(Error::value(name, kind, format!("{} at flat index {at}", values[at])))
-        }
+    let lowest = if nonnegative { 0.0 } else { -LARGEST };
+    let good = |x: f64| (x >= lowest) & (x.abs() < LARGEST);
+    // Without an early exit the loop runs in vectors; where it fails is looked up afterwards.
+    if values.iter().fold(true, |all, x| all & good(*x)) {
+        return Ok(());
     }
+    let at = values.iter().position(|x| !good(*x)).unwrap_or(0);
+    let kind = if nonnegative { "finite numbers >= 0" } else { "finite numbers" };
+    Err(Error::value(name, kind, format!("{} at flat index {at}", values[at])))
 }
 
 fn masses(name: &'static str, values: &[f64], len: usize) -> Result<(), Error> {
@@ -152,49 +161,82 @@ fn pick(matrix: &[f64], width: usize, rows: &[usize], cols: &[usize]) -> Vec<f64
     rows.iter().flat_map(|&i| cols.iter().map(move |&j| matrix[i * width + j])).collect()
 }
 
-impl Problem {
-    /// Check a pair against its options.
+impl<'a> Input<'a> {
+    /// The masses that nu starts from and that EM pulls to.
+    #[must_use]
+    pub fn target_masses(&self, options: &Options) -> (&'a [f64], &'a [f64]) {
+        let em = options.em_rate.is_some();
+        let prior = self.prior.filter(|_| em).unwrap_or(self.target_mass);
+        let nu = if em && !options.em_moves() { prior } else { self.target_mass };
+        (nu, prior)
+    }
+
+    /// Check the data of a pair; the options are [`Options::check`]'s.
     ///
     /// # Errors
-    /// The argument that is empty, of another size, negative, not finite or out of range; two fixed marginals
-    /// with different totals.
-    pub fn new(input: &Input, options: &Options) -> Result<Self, Error> {
-        options.check()?;
-        let (n, m) = (input.source_mass.len(), input.target_mass.len());
+    /// The argument that is empty, of another size, negative, not finite; two fixed marginals with different totals.
+    pub fn check(&self, options: &Options) -> Result<(), Error> {
+        let (n, m) = (self.source_mass.len(), self.target_mass.len());
         if n == 0 {
             return Err(Error::shape("mu", "at least one node", 0));
         }
         if m == 0 {
             return Err(Error::shape("nu", "at least one node", 0));
         }
-        masses("mu", input.source_mass, n)?;
-        masses("nu", input.target_mass, m)?;
-        numbers("M", input.features, n * m, false)?;
-        numbers("A", input.source, n * n, false)?;
-        numbers("B", input.target, m * m, false)?;
-        let largest = input.features.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
-        if let Some(at) = input.features.iter().position(|x| *x < -NEGATIVE_ROUNDING * largest) {
-            let got = format!("{} at flat index {at}", input.features[at]);
-            return Err(Error::value("M", "costs >= 0", got));
+        masses("mu", self.source_mass, n)?;
+        masses("nu", self.target_mass, m)?;
+        numbers("M", self.features, n * m, false)?;
+        numbers("A", self.source, n * n, false)?;
+        numbers("B", self.target, m * m, false)?;
+        let (least, largest) =
+            self.features.iter().fold((0.0_f64, 0.0_f64), |(least, most), x| (least.min(*x), most.max(x.abs())));
+        if least < -NEGATIVE_ROUNDING * largest {
+            let at = self.features.iter().position(|x| *x < -NEGATIVE_ROUNDING * largest).unwrap_or(0);
+            return Err(Error::value("M", "costs >= 0", format!("{} at flat index {at}", self.features[at])));
         }
-        let em = options.em_rate.is_some();
-        let prior = match input.prior.filter(|_| em) {
-            Some(prior) => {
-                masses("prior", prior, m)?;
-                prior
-            }
-            None => input.target_mass,
-        };
-        if let Some(start) = input.start {
+        if let Some(prior) = self.prior.filter(|_| options.em_rate.is_some()) {
+            masses("prior", prior, m)?;
+        }
+        if let Some(start) = self.start {
             numbers("start", start, n * m, true)?;
         }
-        let nu = if em && !options.em_moves() { prior } else { input.target_mass };
-        let rows: Vec<usize> = (0..n).filter(|&i| input.source_mass[i] > 0.0).collect();
-        let cols: Vec<usize> = (0..m).filter(|&j| nu[j] > 0.0 && prior[j] > 0.0).collect();
-        if cols.is_empty() {
+        if let Some(g) = self.start_potential {
+            numbers("start_g", g, m, false)?;
+        }
+        let (nu, prior) = self.target_masses(options);
+        let total = nu.iter().zip(prior).filter(|(_, prior)| **prior > 0.0).map(|(nu, _)| nu).sum::<f64>();
+        if total <= 0.0 {
             return Err(Error::value("prior", "mass on a node that has mass in nu", "none"));
         }
-        let problem = Self {
+        if options.tau_s.is_infinite() && options.tau_t.is_infinite() {
+            let s = self.source_mass.iter().sum::<f64>();
+            if (s - total).abs() > TOTAL_MISMATCH * s.max(total) {
+                return Err(Error::value("nu", format!("mu's total {s}, as both tau are inf"), total));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Problem {
+    /// Check a pair against its options.
+    ///
+    /// # Errors
+    /// See [`Options::check`] and [`Input::check`].
+    pub fn new(input: &Input, options: &Options) -> Result<Self, Error> {
+        options.check()?;
+        input.check(options)?;
+        Ok(Self::of_checked(input, options))
+    }
+
+    /// Keep the nodes with mass of a pair that was checked.
+    #[must_use]
+    pub fn of_checked(input: &Input, options: &Options) -> Self {
+        let (n, m) = (input.source_mass.len(), input.target_mass.len());
+        let (nu, prior) = input.target_masses(options);
+        let rows: Vec<usize> = (0..n).filter(|&i| input.source_mass[i] > 0.0).collect();
+        let cols: Vec<usize> = (0..m).filter(|&j| nu[j] > 0.0 && prior[j] > 0.0).collect();
+        Self {
             n: rows.len(),
             m: cols.len(),
             features: pick(input.features, m, &rows, &cols).into_iter().map(|x| x.max(0.0)).collect(),
@@ -204,16 +246,10 @@ impl Problem {
             nu: cols.iter().map(|&j| nu[j]).collect(),
             prior: cols.iter().map(|&j| prior[j]).collect(),
             start: input.start.map(|start| pick(start, m, &rows, &cols)),
+            start_potential: input.start_potential.map(|g| cols.iter().map(|&j| g[j]).collect()),
             rows,
             cols,
             full: (n, m),
-        };
-        if options.tau_s.is_infinite() && options.tau_t.is_infinite() {
-            let (s, t) = (problem.mu.iter().sum::<f64>(), problem.nu.iter().sum::<f64>());
-            if (s - t).abs() > TOTAL_MISMATCH * s.max(t) {
-                return Err(Error::value("nu", format!("mu's total {s}, as both tau are inf"), t));
-            }
         }
-        Ok(problem)
     }
 }

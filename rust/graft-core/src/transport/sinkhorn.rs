@@ -9,6 +9,7 @@
 
 use super::objective::{Objective, Point};
 use super::problem::{Options, Problem};
+use super::wide;
 
 /// Exponents beyond which the kernel is rebuilt in, or left for, the log domain. exp(+-300) is far enough inside the
 /// range of f64 (exp(+-700)) for sums, products with masses and [`DRIFT`].
@@ -136,6 +137,13 @@ impl Sinkhorn {
         (&self.source.potential, &self.target.potential)
     }
 
+    /// Start from a target potential, from which the first sweep derives the other; no sweep is spent.
+    pub fn start(&mut self, g: &[f64]) -> usize {
+        self.target.potential.copy_from_slice(g);
+        self.in_range = false;
+        0
+    }
+
     /// Take over target masses that EM has moved.
     pub fn set_target(&mut self, objective: &Objective) {
         let (_, cols) = objective.log_reference();
@@ -147,21 +155,10 @@ impl Sinkhorn {
         let (f, g) = (&self.source.potential, &self.target.potential);
         self.source.absorbed.copy_from_slice(f);
         self.target.absorbed.copy_from_slice(g);
-        let mut col_top = vec![f64::NEG_INFINITY; self.m];
-        let mut ok = true;
-        for i in 0..self.n {
-            let mut row_top = f64::NEG_INFINITY;
-            for j in 0..self.m {
-                let x = (f[i] + g[j] - cost[i * self.m + j]) / self.eps;
-                row_top = row_top.max(x);
-                col_top[j] = col_top[j].max(x);
-                self.kernel[i * self.m + j] = x;
-            }
-            ok &= row_top.abs() <= EXPONENT_RANGE;
-        }
-        self.in_range = ok && col_top.iter().all(|top| top.abs() <= EXPONENT_RANGE);
+        // A row or column far below 1 would lose its sum, one far above would overflow it.
+        self.in_range = wide::exponents(f, g, cost, 1.0 / self.eps, &mut self.kernel) <= EXPONENT_RANGE;
         if self.in_range {
-            self.kernel.iter_mut().for_each(|x| *x = x.exp());
+            wide::exp(&mut self.kernel);
         }
     }
 
@@ -171,15 +168,17 @@ impl Sinkhorn {
             self.in_range = false;
         }
         let (m, eps) = (self.m, self.eps);
+        if kernel {
+            wide::row_sums(&self.kernel, &self.target.scaling, &mut self.source.log_sums);
+            for (sum, f) in self.source.log_sums.iter_mut().zip(&self.source.absorbed) {
+                *sum = sum.ln() - f / eps;
+            }
+            return;
+        }
         for i in 0..self.n {
-            self.source.log_sums[i] = if kernel {
-                let row = &self.kernel[i * m..(i + 1) * m];
-                let sum: f64 = row.iter().zip(&self.target.scaling).map(|(k, b)| k * b).sum();
-                sum.ln() - self.source.absorbed[i] / eps
-            } else {
-                let (row, target) = (&cost[i * m..(i + 1) * m], &self.target);
-                log_sum_exp((0..m).map(|j| target.log_reference[j] + (target.potential[j] - row[j]) / eps))
-            };
+            let (row, target) = (&cost[i * m..(i + 1) * m], &self.target);
+            self.source.log_sums[i] =
+                log_sum_exp((0..m).map(|j| target.log_reference[j] + (target.potential[j] - row[j]) / eps));
         }
     }
 
@@ -190,14 +189,8 @@ impl Sinkhorn {
         }
         let (n, m, eps) = (self.n, self.m, self.eps);
         if kernel {
-            let sums = &mut self.target.log_sums;
-            sums.fill(0.0);
-            for (row, a) in self.kernel.chunks_exact(m).zip(&self.source.scaling) {
-                for (s, k) in sums.iter_mut().zip(row) {
-                    *s += a * k;
-                }
-            }
-            for (s, g) in sums.iter_mut().zip(&self.target.absorbed) {
+            wide::col_sums(&self.kernel, &self.source.scaling, &mut self.target.log_sums);
+            for (s, g) in self.target.log_sums.iter_mut().zip(&self.target.absorbed) {
                 *s = s.ln() - g / eps;
             }
         } else {
@@ -252,23 +245,25 @@ impl Sinkhorn {
         let (m, eps) = (self.m, self.eps);
         let kernel = self.in_range && self.source.scale(eps) && self.target.scale(eps);
         let (source, target) = (&self.source, &self.target);
-        let mut sum_t_log = 0.0;
         for i in 0..self.n {
-            for j in 0..m {
-                let k = i * m + j;
-                let x = (source.potential[i] + target.potential[j] - cost[k]) / eps;
-                let t = if kernel {
-                    source.scaling[i] * self.kernel[k] * target.scaling[j]
-                } else {
-                    (source.log_reference[i] + target.log_reference[j] + x).exp()
-                };
-                out.plan[k] = t;
-                if t > 0.0 {
-                    sum_t_log += t * x;
+            let (row, kernels) = (&mut out.plan[i * m..(i + 1) * m], &self.kernel[i * m..(i + 1) * m]);
+            if kernel {
+                let scale = source.scaling[i];
+                for (j, t) in row.iter_mut().enumerate() {
+                    *t = scale * kernels[j] * target.scaling[j];
+                }
+            } else {
+                let (potential, log) = (source.potential[i], source.log_reference[i]);
+                for (j, t) in row.iter_mut().enumerate() {
+                    *t = (log + target.log_reference[j] + (potential + target.potential[j] - cost[i * m + j]) / eps)
+                        .exp();
                 }
             }
         }
         out.sum();
+        // sum T log(T / R), from the logarithm that each entry was made of.
+        let logs = wide::dot(&out.u, &source.potential) + wide::dot(&out.v, &target.potential);
+        let sum_t_log = (logs - wide::dot(&out.plan, cost)) / eps;
         let mass = out.mass();
         out.entropy = objective.entropy_from(sum_t_log, mass);
         if self.source.tau == 0.0 || mass == 0.0 {

@@ -8,6 +8,7 @@ use super::cost::Structure;
 use super::objective::{Objective, Point, Terms};
 use super::problem::{Input, Options, Problem};
 use super::sinkhorn::Sinkhorn;
+use super::wide;
 use crate::Error;
 
 /// Sweeps after each linearisation: two are enough while the plan still moves (more would solve the wrong problem).
@@ -26,7 +27,7 @@ const ARMIJO: f64 = 1e-4;
 const SHORTEST: f64 = 1e-7;
 
 /// Rounding allowed in comparisons of F, relative to [`Objective::magnitude`].
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// What a solve found, over all nodes of the caller; nodes left out have zeros.
 #[derive(Debug, Clone)]
@@ -56,10 +57,12 @@ pub struct Solution {
 /// # Errors
 /// See [`Problem::new`].
 pub fn solve(input: &Input, options: &Options) -> Result<Solution, Error> {
-    Ok(run(&Problem::new(input, options)?, options))
+    Ok(solve_checked(&Problem::new(input, options)?, options))
 }
 
-fn run(problem: &Problem, options: &Options) -> Solution {
+/// Solve a pair whose problem was checked.
+#[must_use]
+pub fn solve_checked(problem: &Problem, options: &Options) -> Solution {
     let (n, m) = (problem.n, problem.m);
     let mut objective = Objective::new(problem, options);
     let mut structure = (options.alpha < 1.0).then(|| Structure::new(problem, options.loss));
@@ -82,7 +85,10 @@ fn run(problem: &Problem, options: &Options) -> Solution {
             cost[k] = (1.0 - options.alpha) * at.gradient[k] + options.alpha * problem.features[k];
         }
         if iterations == 1 {
-            sweeps += sinkhorn.anneal(&cost);
+            sweeps += match &problem.start_potential {
+                Some(g) => sinkhorn.start(g),
+                None => sinkhorn.anneal(&cost),
+            };
         }
         sinkhorn.absorb(&cost);
         let (mut done, mut budget) = (0, SWEEPS);
@@ -125,15 +131,16 @@ fn run(problem: &Problem, options: &Options) -> Solution {
 
 /// Relative L1 distance of two plans.
 fn difference(a: &Point, b: &Point) -> f64 {
-    let apart: f64 = a.plan.iter().zip(&b.plan).map(|(x, y)| (x - y).abs()).sum();
+    let apart = wide::distance(&a.plan, &b.plan);
     if apart == 0.0 { 0.0 } else { apart / a.mass().max(b.mass()) }
 }
 
 /// Decrease from `at` to `to` of the convex model with cost C in place of the structure and feature terms.
 ///
 /// Rounding is forgiven: a gain that is negative by no more than that is zero.
-fn gain(cost: &[f64], objective: &Objective, at: &Point, to: &Point) -> f64 {
-    let linear: f64 = cost.iter().zip(at.plan.iter().zip(&to.plan)).map(|(c, (a, t))| c * (a - t)).sum();
+pub(super) fn gain(cost: &[f64], objective: &Objective, at: &Point, to: &Point) -> f64 {
+    let step: Vec<f64> = at.plan.iter().zip(&to.plan).map(|(a, t)| a - t).collect();
+    let linear = wide::dot(cost, &step);
     let (before, after) = (objective.terms(at), objective.terms(to));
     let gain = linear
         + (before.marginal_source - after.marginal_source)
@@ -144,7 +151,7 @@ fn gain(cost: &[f64], objective: &Objective, at: &Point, to: &Point) -> f64 {
 }
 
 /// Move `at` towards `to` as far as Armijo's rule allows; return whether it moved.
-fn step(
+pub(super) fn step(
     cost: &[f64],
     objective: &Objective,
     at: &mut Point,
