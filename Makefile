@@ -49,7 +49,7 @@ clean:  ## Remove everything that was built
 # --- set-up -----------------------------------------------------------------------------------------------------
 
 $(VENV)/bin/python:
-	@.ci/system-packages
+	@PYTHON=$(PYTHON) .ci/system-packages
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --upgrade pip
 

@@ -3,6 +3,7 @@
 import re
 import sys
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,6 +37,7 @@ def test_a_page_is_one_file_that_asks_for_nothing_and_leaves_no_server(tmp_path,
     assert external(html) == []
     assert "__VISER_EMBED_DATA__=" in html
     assert len(html) < 3e6
+    assert re.findall("<title>.*?</title>", html) == ["<title>graft: kettle, ball</title>"]
     assert [p.name for p in tmp_path.iterdir()] == ["scene.html"]
     assert capfd.readouterr() == ("", "")
     assert threading.active_count() <= before
@@ -143,3 +145,11 @@ def test_without_a_package_the_extra_is_named(tmp_path, monkeypatch, package):
     big = lambda: thinned([Shape("ball", ball.vertices, ball.faces, (0, 0, 0))], 1000)  # noqa: E731
     with pytest.raises(MissingExtraError, match=r"graft-robotics\[viz\]"):
         big() if package == "fast_simplification" else save_scene(tmp_path / "scene.html", transfer())
+
+
+def test_a_page_is_called_by_its_object_whatever_that_is_called(tmp_path):
+    obj = replace(mug(), name="</title><script>alert(1)</script>")
+    save_object_scene(tmp_path / "mug.html", obj)
+    html = (tmp_path / "mug.html").read_text()
+    assert "<title>graft: &lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt;</title>" in html
+    assert "<script>alert(1)" not in html

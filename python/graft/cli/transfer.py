@@ -37,7 +37,7 @@ class TransferCommand:
     library: Path
     """A folder of demonstrations (folders with a demonstration.json)."""
     k: Annotated[int, tyro.conf.arg(aliases=["-k"])] = 5
-    """How many matches to transfer from; their parts vote, and the winner's contacts come first."""
+    """How many contacts to give. At least ten matches vote on the part; the contacts on the winner come first."""
     json: bool = False
     """Print one JSON document and nothing else."""
     out: tuple[Path, ...] = ()

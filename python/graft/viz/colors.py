@@ -38,21 +38,22 @@ PALETTE = (
 )
 """Colours of the other parts, in order; mid-toned, so that shading and highlights show."""
 
-FADE = 0.35
-"""How far towards white the palette goes each time it is used up."""
+TINTS = (0.0, 0.4, -0.35, 0.65, -0.6)
+"""How far towards white (above zero) or black (below) the palette goes each time it is used up; from the
+fifty-first part on colours come again, rather than fade to a white that no one can tell apart."""
 
 NO_MASS = 1e-9
 """A column of a plan below this share of the whole receives nothing."""
 
 
 def part_colors(n: int, demonstrated: int | None = None) -> Colors:
-    """Return (n, 3) distinguishable colours, the demonstrated part's being `DEMONSTRATED`."""
+    """Return (n, 3) colours, the first 50 of them distinguishable, the demonstrated part's being `DEMONSTRATED`."""
     colors = np.empty((n, 3), np.uint8)
     others = [i for i in range(n) if i != demonstrated]
     for place, part in enumerate(others):
         base = np.array(PALETTE[place % len(PALETTE)], np.float64)
-        fade = 1.0 - (1.0 - FADE) ** (place // len(PALETTE))
-        colors[part] = np.round(base + (255.0 - base) * fade)
+        tint = TINTS[place // len(PALETTE) % len(TINTS)]
+        colors[part] = np.round(base + ((255.0 if tint > 0 else 0.0) - base) * abs(tint))
     if demonstrated is not None:
         colors[demonstrated] = DEMONSTRATED
     return colors

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterator, Sequence
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,9 @@ FIELD_OF_VIEW = np.radians(32.0)
 VIEW_DIRECTION = np.array([0.0, -0.84, 0.54])
 """From the middle of the scene to the camera."""
 
+VISER_TITLE = "<title>Viser</title>"
+"""What the page is called until it gets the name of what it shows."""
+
 ASPECT = 1.5
 """Width to height of the window that a scene is framed for."""
 
@@ -51,8 +55,10 @@ def save_scene(path: str | Path, transfers: TransferredContact | Sequence[Transf
         MissingExtraError: viser (or fast-simplification, for large meshes) is not installed.
     """
     path = check_output(path, ".html")
-    cells = lay_out(as_sequence(transfers))
-    with _page(path) as server:
+    several = as_sequence(transfers)
+    cells = lay_out(several)
+    targets = dict.fromkeys(t.match.target.object.name for t in several)
+    with _page(path, f"graft: {', '.join(targets)}") as server:
         for cell in cells:
             _add_cell(server.scene, cell)
         corners = [_extent(side) for cell in cells for side in (cell.source, cell.target)]
@@ -73,14 +79,14 @@ def save_object_scene(path: str | Path, obj: PartObject) -> None:
     """
     path = check_output(path, ".html")
     placed = place_alone(obj)
-    with _page(path) as server:
+    with _page(path, f"graft: {obj.name}") as server:
         _add_object(server.scene, placed)
         beside = _add_names(server.scene, placed, obj)
         _frame(server, np.concatenate([_extent(placed), beside]))
 
 
 @contextlib.contextmanager
-def _page(path: Path) -> Iterator[Any]:
+def _page(path: Path, title: str) -> Iterator[Any]:
     """Give a viser server to fill, and write what it shows; the server does not stay."""
     try:
         import viser
@@ -96,7 +102,7 @@ def _page(path: Path) -> Iterator[Any]:
             html = server.scene.as_html()
         finally:
             server.stop()
-    write_whole(path, html.encode())
+    write_whole(path, html.replace(VISER_TITLE, f"<title>{escape(title)}</title>", 1).encode())
 
 
 def _add_cell(scene: Any, cell: Cell) -> None:
