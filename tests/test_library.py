@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -92,3 +94,19 @@ def test_a_name_that_leads_out_of_the_folder_is_not_saved(tmp_path, name):
     with pytest.raises(InputError, match="expected a name that can be a folder's"):
         library.save(tmp_path / "library")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_large_library_is_pruned_and_answers_the_same(monkeypatch):
+    library = Library()
+    for category in zoo.categories():
+        for seed in range(2):
+            demonstration = zoo.demonstration(category, seed)
+            library.add(replace(demonstration, name=f"{category}_{seed}"))
+    target = zoo.make("kettle", 7)
+    plain = library.retrieve(target, k=6)
+    monkeypatch.setattr("graft.library.PRUNED", 2)
+    pruned = library.retrieve(target, k=6)
+    assert [m.demonstration.name for m in pruned] == [m.demonstration.name for m in plain]
+    assert [m.cost for m in pruned] == [m.cost for m in plain]
+    library.add(replace(zoo.demonstration("kettle", 7), name="the target itself"))
+    assert library.retrieve(target, k=1)[0].demonstration.name == "the target itself"

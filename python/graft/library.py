@@ -17,7 +17,11 @@ from graft.features import Descriptor, GeometricDescriptor
 from graft.graph import PartGraph, build_graph
 from graft.io import ObjectLike, as_object, load_demonstrations, save_demonstration
 from graft.objects import Demonstration
-from graft.transport import UFGW, Transport
+from graft.transport import UFGW, PackedGraphs, Transport
+
+PRUNED = 256
+"""Libraries of at least so many demonstrations are ranked by bounds first; below that solving all of them takes a
+millisecond."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +64,7 @@ class Library:
         self._demonstrations: list[Demonstration] = []
         self._graphs: list[PartGraph] = []
         self._names: set[str] = set()
+        self._packed: PackedGraphs | None = None
 
     @classmethod
     def open(
@@ -103,6 +108,7 @@ class Library:
         self._graphs.append(build_graph(demonstration.object, descriptor=self.descriptor))
         self._demonstrations.append(demonstration)
         self._names.add(demonstration.name)
+        self._packed = None
 
     def extend(self, demonstrations: Iterable[Demonstration]) -> None:
         """Add several demonstrations, in order."""
@@ -141,6 +147,12 @@ class Library:
         chosen = [i for i, d in enumerate(self._demonstrations) if where is None or where(d)]
         if not chosen:
             return []
+        if len(chosen) >= PRUNED and len(chosen) == len(self) and self.solver.cost == "sharp":
+            # Bounds rule most of a large library out; what is left is solved again below, for its plans.
+            if self._packed is None:
+                parts = [demonstration.contact.part for demonstration in self._demonstrations]
+                self._packed = PackedGraphs.pack(self._graphs, parts, self.solver)
+            chosen = sorted(self._packed.rank(graph, k).indices.tolist())
         transports = self.solver.batch(
             [self._graphs[i] for i in chosen], [self._demonstrations[i].contact.part for i in chosen], graph
         )

@@ -121,7 +121,7 @@ def test_bad_arguments_are_named():
         PackedGraphs.pack([graphs[0], make_graph(2, 4, descriptors=False)], [0, 1], UFGW())
     with pytest.raises(InputError, match=r"^cost: ranking packed graphs needs sharp, got debiased$"):
         PackedGraphs.pack(graphs, [0, 1], UFGW(cost="debiased"))
-    with pytest.raises(InputError, match=r"^eps: expected a finite number > 0, got 0$"):
+    with pytest.raises(InputError, match=r"^eps: expected a finite number of at least 1e-9, got 0$"):
         PackedGraphs.pack(graphs, [0, 1], UFGW(eps=0.0)).rank(target, 1)
     wrong = replace(target, structure=np.full((3, 3), np.nan))
     with pytest.raises(InputError, match=r"^target structure: expected finite numbers, got NaN"):

@@ -76,7 +76,7 @@ def ufgw(
         alpha: Weight of the features in [0, 1]; 1 - alpha weighs the structure (POT's alpha is the opposite).
         tau_s: Price of a source marginal other than mu; 0 leaves it free, inf fixes it.
         tau_t: Price of a target marginal other than nu; 0 leaves it free, inf fixes it.
-        eps: Weight of the entropy, > 0.
+        eps: Weight of the entropy, at least 1e-9.
         loss: "square" or "absolute".
         entropy: "relative", "plain" or "unit".
         em_rate: Share of T'1 in the M-step, in [0, 1); None leaves nu alone. With tau_t = inf, and with a

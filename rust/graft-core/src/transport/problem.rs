@@ -22,6 +22,10 @@ pub enum Entropy {
     Unit,
 }
 
+/// Least entropy: below, costs over `eps` have no digits left after the point and no iteration can tell its next from
+/// its last.
+const LEAST_EPS: f64 = 1e-9;
+
 /// Parameters of the objective and of the solver.
 #[derive(Debug, Clone, Copy)]
 pub struct Options {
@@ -57,7 +61,7 @@ impl Options {
         range("alpha", (0.0..=1.0).contains(&self.alpha), "a number in [0, 1]", self.alpha)?;
         range("tau_s", self.tau_s >= 0.0, "a number >= 0 (inf fixes the marginal)", self.tau_s)?;
         range("tau_t", self.tau_t >= 0.0, "a number >= 0 (inf fixes the marginal)", self.tau_t)?;
-        range("eps", self.eps > 0.0 && self.eps.is_finite(), "a finite number > 0", self.eps)?;
+        range("eps", self.eps >= LEAST_EPS && self.eps.is_finite(), "a finite number of at least 1e-9", self.eps)?;
         range("tol", self.tol > 0.0 && self.tol.is_finite(), "a finite number > 0", self.tol)?;
         if let Some(rate) = self.em_rate {
             range("em_rate", (0.0..1.0).contains(&rate), "None or a number in [0, 1)", rate)?;
