@@ -3,58 +3,68 @@
 //! Every point is looked at. For the few hundred points the search works on this is faster than walking uphill over a
 //! hull from neighbour to neighbour, and it cannot end early on a side that is flat but for rounding.
 
+use wide::f64x4;
+
 use super::Vec3;
 
-/// Points that are looked at together: the loops over them become vector instructions.
-const LANES: usize = 8;
+/// Points that are looked at together.
+const LANES: usize = 4;
 
-/// Points by coordinate in groups; the first one is repeated to fill the last group.
+/// Points by coordinate in groups; the last group is filled with copies of its first point.
+#[derive(Default)]
 pub struct Corners {
-    groups: Vec<[[f64; LANES]; 3]>,
-}
-
-/// Smaller of two numbers, as the processor has it; not for NaN.
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// Larger of two numbers, as the processor has it; not for NaN.
-fn most(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    groups: Vec<[f64x4; 3]>,
+    count: usize,
 }
 
 /// How high the points of a group are along a direction.
 #[inline]
-fn heights([x, y, z]: &[[f64; LANES]; 3], d: &Vec3) -> [f64; LANES] {
-    let mut heights = [0.0; LANES];
-    for l in 0..LANES {
-        heights[l] = x[l] * d.x + y[l] * d.y + z[l] * d.z;
-    }
-    heights
+fn heights([x, y, z]: &[f64x4; 3], d: &[f64x4; 3]) -> f64x4 {
+    *x * d[0] + *y * d[1] + *z * d[2]
+}
+
+/// A direction for all points of a group.
+fn splat(direction: &Vec3) -> [f64x4; 3] {
+    [0, 1, 2].map(|k| f64x4::splat(direction[k]))
 }
 
 impl Corners {
-    /// Lay out non-empty points.
+    /// Lay out points.
     #[must_use]
     pub fn new(points: &[Vec3]) -> Self {
-        let group = |chunk: &[Vec3]| {
-            [0, 1, 2].map(|k| std::array::from_fn(|l| if l < chunk.len() { chunk[l][k] } else { points[0][k] }))
-        };
-        Self { groups: points.chunks(LANES).map(group).collect() }
+        let mut corners = Self { groups: Vec::with_capacity(points.len().div_ceil(LANES)), count: 0 };
+        for p in points {
+            corners.push(p);
+        }
+        corners
+    }
+
+    /// Add a point.
+    pub fn push(&mut self, p: &Vec3) {
+        let lane = self.count % LANES;
+        self.count += 1;
+        match self.groups.last_mut() {
+            Some(group) if lane > 0 => {
+                for k in 0..3 {
+                    group[k].as_mut_array()[lane] = p[k];
+                }
+            }
+            _ => self.groups.push(splat(p)),
+        }
     }
 
     /// The lowest and the highest height along a direction.
     #[must_use]
     pub fn reach(&self, direction: &Vec3) -> (f64, f64) {
-        let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        let direction = splat(direction);
+        let (mut low, mut high) = (f64x4::splat(f64::INFINITY), f64x4::splat(f64::NEG_INFINITY));
         for group in &self.groups {
-            let heights = heights(group, direction);
-            for l in 0..LANES {
-                low[l] = least(heights[l], low[l]);
-                high[l] = most(heights[l], high[l]);
-            }
+            let heights = heights(group, &direction);
+            low = low.fast_min(heights);
+            high = high.fast_max(heights);
         }
-        (low.into_iter().fold(f64::INFINITY, least), high.into_iter().fold(f64::NEG_INFINITY, most))
+        let low = low.to_array().into_iter().fold(f64::INFINITY, f64::min);
+        (low, high.to_array().into_iter().fold(f64::NEG_INFINITY, f64::max))
     }
 
     /// Size along a direction.
@@ -73,8 +83,9 @@ impl Corners {
     /// The first point at a height along a direction, as [`Self::reach`] has it.
     #[must_use]
     pub fn at(&self, direction: &Vec3, height: f64) -> usize {
+        let direction = splat(direction);
         for (g, group) in self.groups.iter().enumerate() {
-            let heights = heights(group, direction);
+            let heights = heights(group, &direction).to_array();
             if let Some(l) = heights.iter().position(|h| *h == height) {
                 return g * LANES + l;
             }

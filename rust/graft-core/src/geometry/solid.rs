@@ -76,11 +76,11 @@ pub fn solid_axes(points: &[Vec3]) -> Option<[Vec3; 3]> {
     let starts = starts(&inner, rough.as_ref(), &mut work);
     let near = roughly_turned(&inner, starts, &mut work);
     let whole = Corners::new(&points);
-    let mut found = finished(&points, &whole, *near.first()?, &mut work);
+    let mut found = finished(&points, &whole, *near.first()?, f64::INFINITY, &mut work);
     for start in &near[1..] {
         // What the inner polyhedron's box needs, the box needs at least, but for what it still gets smaller by turning.
         if start.volume < found.volume * (1.0 + ROUGHLY) {
-            let other = finished(&points, &whole, *start, &mut work);
+            let other = finished(&points, &whole, *start, found.volume, &mut work);
             found = if other.volume < found.volume { other } else { found };
         }
     }
@@ -210,7 +210,9 @@ fn starts(hull: &Polyhedron, rough: Option<&Polyhedron>, work: &mut Workspace) -
 }
 
 /// Turn a box among the points that can touch its sides, until all others lie inside.
-fn finished(points: &[Vec3], whole: &Corners, start: Candidate, work: &mut Workspace) -> Candidate {
+///
+/// Given up as soon as it will not become smaller than `bar`.
+fn finished(points: &[Vec3], whole: &Corners, start: Candidate, bar: f64, work: &mut Workspace) -> Candidate {
     let mut best = Candidate { volume: whole.volume(&start.axes), ..start };
     let mut chosen = Vec::new();
     touching(whole, &best.axes, &WIDE, &mut chosen);
@@ -222,7 +224,7 @@ fn finished(points: &[Vec3], whole: &Corners, start: Candidate, work: &mut Works
         if volume < best.volume {
             best = Candidate { volume, ..turned };
         }
-        if volume <= turned.volume * (1.0 + WHOLE) {
+        if volume <= turned.volume * (1.0 + WHOLE) || turned.volume >= bar * (1.0 - WHOLE) {
             break;
         }
         touching(whole, &turned.axes, &CLOSE, &mut chosen);

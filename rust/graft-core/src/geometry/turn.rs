@@ -4,6 +4,7 @@
 //! the box.
 
 use super::Vec3;
+use super::corners::Corners;
 use super::search::{Candidate, Polyhedron, Workspace};
 
 /// A turn counts when it makes the box smaller by more than this share; less is rounding.
@@ -52,13 +53,33 @@ fn turn_freely(
 ) -> Candidate {
     let mut step = first;
     let mut moved = false;
+    // The corners that boxes were seen to stand on: most turns are refuted by them alone.
+    let mut met = Corners::default();
+    let meet = |met: &mut Corners, axes: &[Vec3; 3]| {
+        for axis in axes {
+            let (known, all) = (met.reach(axis), hull.corners.reach(axis));
+            if all.0 < known.0 {
+                met.push(&hull.vertices[hull.corners.at(axis, all.0)]);
+            }
+            if all.1 > known.1 {
+                met.push(&hull.vertices[hull.corners.at(axis, all.1)]);
+            }
+        }
+    };
+    meet(&mut met, &current.axes);
     while step > last {
         let mut improved = current;
         let mut attempt = |turn: Vec3| {
             let axes = turned_axes(&current.axes, &turn);
+            let bar = improved.volume * (1.0 - SMALLER);
+            if met.volume(&axes) >= bar {
+                return;
+            }
             let volume = hull.corners.volume(&axes);
-            if volume < improved.volume * (1.0 - SMALLER) {
+            if volume < bar {
                 improved = Candidate { volume, axes };
+            } else {
+                meet(&mut met, &axes);
             }
         };
         for code in 0..27 {
