@@ -17,6 +17,9 @@ use super::turn::turned;
 /// Volumes within this share of each other are equal; the earlier candidate wins.
 const VOLUME_TIE: f64 = 1e-12;
 
+/// Boxes whose axes all have cosines larger than this with each other's are one candidate.
+const ALIKE: f64 = 0.9995;
+
 /// Normals whose cross product is shorter than this are one candidate.
 const SAME_NORMAL: f64 = 1e-9;
 
@@ -24,10 +27,10 @@ const SAME_NORMAL: f64 = 1e-9;
 const LONG_EDGES: usize = 16;
 
 /// How many of the best candidates are turned to the nearest minimum.
-const STARTS: usize = 6;
+const STARTS: usize = 8;
 
 /// Boxes larger than the smallest by more than this after rough turning are given up.
-const GIVEN_UP: f64 = 1.02;
+const GIVEN_UP: f64 = 1.03;
 
 /// Candidates larger than the smallest by more than this do not become it by turning: measured.
 const SLACK: f64 = 1.1;
@@ -36,7 +39,7 @@ const SLACK: f64 = 1.1;
 const ROUGH_DIRECTIONS: usize = 24;
 
 /// The same for the polyhedron whose boxes are sought first.
-const INNER_DIRECTIONS: usize = 64;
+const INNER_DIRECTIONS: usize = 128;
 
 /// Steps of the free turning, radians: the first, the last while there are many boxes to turn, the last.
 const STEP: f64 = 0.2;
@@ -167,13 +170,17 @@ impl Best {
     }
 
     fn insert(&mut self, candidate: Candidate) {
-        let place = self.found.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
-        // A box is found again by way of each of its axes; equal volumes are taken for equal boxes.
-        let known = place > 0 && self.found[place - 1].volume >= candidate.volume * (1.0 - VOLUME_TIE);
-        if place < self.capacity && !known {
-            self.found.insert(place, candidate);
-            self.found.truncate(self.capacity);
+        // Candidates a few degrees apart turn to the same minimum: the smallest of them stands for all.
+        let alike = |c: &Candidate| {
+            candidate.axes.iter().all(|a| c.axes.iter().any(|b| a.dot(b).abs() > ALIKE))
+        };
+        if self.found.iter().any(|c| alike(c) && c.volume <= candidate.volume * (1.0 + VOLUME_TIE)) {
+            return;
         }
+        self.found.retain(|c| !alike(c));
+        let place = self.found.partition_point(|c| c.volume <= candidate.volume * (1.0 + VOLUME_TIE));
+        self.found.insert(place, candidate);
+        self.found.truncate(self.capacity);
     }
 }
 
