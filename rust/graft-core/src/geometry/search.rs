@@ -248,4 +248,3 @@ fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
     }
     polygon.len() >= 3
 }
-

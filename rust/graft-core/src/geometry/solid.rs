@@ -30,7 +30,7 @@ const LONG_EDGES: usize = 16;
 const STARTS: usize = 8;
 
 /// Boxes larger than the smallest by more than this after rough turning are given up.
-const GIVEN_UP: f64 = 1.03;
+const GIVEN_UP: f64 = 1.05;
 
 /// Candidates larger than the smallest by more than this do not become it by turning: measured.
 const SLACK: f64 = 1.1;
@@ -171,9 +171,7 @@ impl Best {
 
     fn insert(&mut self, candidate: Candidate) {
         // Candidates a few degrees apart turn to the same minimum: the smallest of them stands for all.
-        let alike = |c: &Candidate| {
-            candidate.axes.iter().all(|a| c.axes.iter().any(|b| a.dot(b).abs() > ALIKE))
-        };
+        let alike = |c: &Candidate| candidate.axes.iter().all(|a| c.axes.iter().any(|b| a.dot(b).abs() > ALIKE));
         if self.found.iter().any(|c| alike(c) && c.volume <= candidate.volume * (1.0 + VOLUME_TIE)) {
             return;
         }

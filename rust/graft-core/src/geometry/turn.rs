@@ -14,6 +14,9 @@ const SMALLER: f64 = 1e-10;
 const KINK_REACH: f64 = 3.0;
 const KINKS: usize = 5;
 
+/// Boxes that get smaller by next to nothing for longer than this are small enough.
+const MOVES: usize = 40;
+
 /// Sines below this belong to parallel kinks.
 const PARALLEL: f64 = 1e-3;
 
@@ -27,7 +30,7 @@ pub fn turned(hull: &Polyhedron, start: Candidate, (first, last): (f64, f64), wo
 
 /// Turn a box about one of its axes at a time, as long as it gets smaller.
 fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspace) -> Candidate {
-    loop {
+    for _ in 0..MOVES {
         let mut improved = current;
         for axis in current.axes {
             if let Some(found) = hull.best_about(&axis, work)
@@ -37,10 +40,11 @@ fn turn_about_axes(hull: &Polyhedron, mut current: Candidate, work: &mut Workspa
             }
         }
         if improved.volume >= current.volume {
-            return current;
+            break;
         }
         current = improved;
     }
+    current
 }
 
 /// Turn a box by rotation vectors with components in {-1, 0, 1} steps, at most two of them turning, and along the
@@ -67,7 +71,10 @@ fn turn_freely(
         }
     };
     meet(&mut met, &current.axes);
-    while step > last {
+    for _ in 0..MOVES {
+        if step <= last {
+            break;
+        }
         let mut improved = current;
         let mut attempt = |turn: Vec3| {
             let axes = turned_axes(&current.axes, &turn);
