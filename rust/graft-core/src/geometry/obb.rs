@@ -2,7 +2,7 @@
 
 use super::Vec3;
 use super::affine::{Span, any_normal, span};
-use super::hull::Hull;
+use super::hull::{Hull, hull_in};
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
 use super::solid::solid_axes;
 
@@ -55,17 +55,19 @@ impl OrientedBox {
 /// points the frame of the coordinates.
 #[must_use]
 pub fn minimal_box(points: &[Vec3]) -> OrientedBox {
-    box_in(points, &span(points))
+    let found = span(points);
+    box_in(points, &hull_in(points, &found), &found)
 }
 
 /// Like [`minimal_box`], for a caller that has the hull of the points and their span.
 #[must_use]
 pub fn minimal_box_of(hull: &Hull, found: &Span) -> OrientedBox {
-    box_in(&hull.vertices, found)
+    box_in(&hull.vertices, hull, found)
 }
 
-fn box_in(points: &[Vec3], found: &Span) -> OrientedBox {
-    let solid = if found.dimension == 3 { solid_axes(points) } else { None };
+/// The box about `points` with the axes of their hull's box.
+fn box_in(points: &[Vec3], hull: &Hull, found: &Span) -> OrientedBox {
+    let solid = if hull.faces.is_empty() { None } else { solid_axes(hull) };
     let axes = solid.unwrap_or_else(|| match found.dimension {
         0 => [Vec3::x(), Vec3::y(), Vec3::z()],
         1 => {
@@ -73,7 +75,7 @@ fn box_in(points: &[Vec3], found: &Span) -> OrientedBox {
             [found.axes[0], y, found.axes[0].cross(&y)]
         }
         // A plane, or a solid so thin that quickhull gave up.
-        _ => planar_axes(points, found.axes),
+        _ => planar_axes(&hull.vertices, found.axes),
     });
     OrientedBox::about(points, axes)
 }

@@ -3,13 +3,15 @@
 //! The minimal box has two adjacent faces that each lie against an edge of the hull (O'Rourke 1985); usually one lies
 //! against a face. Starts are therefore face normals and the common normals of pairs of long edges, each with the minimal
 //! rectangle about its axis, of the polyhedron between a few hundred extreme points: what it needs as a box, the hull
-//! needs at least. The best of them are turned, then turned again among all points that can touch the box's sides.
+//! needs at least. The best of them are turned, then turned again among all points that can touch the box's sides. At last
+//! every face of the whole hull is tried, so that no box flush with one is smaller.
 
 use nalgebra::Matrix3;
 
 use super::Vec3;
 use super::corners::{Corners, spread_directions};
-use super::hull::convex_hull;
+use super::flush::flush_box;
+use super::hull::{Hull, convex_hull};
 use super::moments::principal;
 use super::search::{Candidate, Polyhedron, Workspace};
 use super::turn::turned;
@@ -21,7 +23,7 @@ const VOLUME_TIE: f64 = 1e-12;
 const ALIKE: f64 = 0.9995;
 
 /// Normals whose cross product is shorter than this are one candidate.
-const SAME_NORMAL: f64 = 1e-9;
+pub const SAME_NORMAL: f64 = 1e-9;
 
 /// The common normals of this many longest edges are candidates.
 const LONG_EDGES: usize = 16;
@@ -64,13 +66,13 @@ const WHOLE: f64 = 1e-9;
 /// Skewness below this share of the deviation's cube does not choose a direction.
 const SKEW_FLOOR: f64 = 1e-9;
 
-/// Find the axes of the minimal box about points that span a solid; None where rounding leaves no solid of them.
+/// Find the axes of the minimal box about a hull with faces; None where rounding leaves no solid of its extreme points.
 ///
-/// The search is done in the frame of the points' own moments: a rotated copy is searched in the same way.
+/// The search is done in the frame of the corners' own moments: a rotated copy is searched in the same way.
 #[must_use]
-pub fn solid_axes(points: &[Vec3]) -> Option<[Vec3; 3]> {
-    let pose = pose(points);
-    let points: Vec<Vec3> = points.iter().map(|p| pose.tr_mul(p)).collect();
+pub fn solid_axes(hull: &Hull) -> Option<[Vec3; 3]> {
+    let pose = pose(&hull.vertices);
+    let points: Vec<Vec3> = hull.vertices.iter().map(|p| pose.tr_mul(p)).collect();
     let inner = between_extremes(&points, INNER_DIRECTIONS)?;
     let rough = (inner.vertices.len() > 3 * ROUGH_DIRECTIONS)
         .then(|| between_extremes(&inner.vertices, ROUGH_DIRECTIONS))
@@ -86,6 +88,11 @@ pub fn solid_axes(points: &[Vec3]) -> Option<[Vec3; 3]> {
             let other = finished(&points, &whole, *start, found.volume, &mut work);
             found = if other.volume < found.volume { other } else { found };
         }
+    }
+    let insides: Vec<&Polyhedron> = rough.iter().chain([&inner]).collect();
+    let whole_hull = Polyhedron::new(Hull { vertices: points, faces: hull.faces.clone() });
+    if let Some(flush) = flush_box(&whole_hull, &insides, found.volume, &mut work) {
+        found = finished(&whole_hull.vertices, &whole_hull.corners, flush, f64::INFINITY, &mut work);
     }
     Some(found.axes.map(|axis| pose * axis))
 }
@@ -143,7 +150,8 @@ fn candidate_normals(hull: &Polyhedron) -> Vec<Vec3> {
 }
 
 /// The normals of the faces, up to their signs.
-fn face_normals(hull: &Polyhedron) -> Vec<Vec3> {
+#[must_use]
+pub fn face_normals(hull: &Polyhedron) -> Vec<Vec3> {
     hull.normals.iter().filter(|n| n.norm_squared() > 0.5).map(upper).collect()
 }
 
