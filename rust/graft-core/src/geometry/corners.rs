@@ -82,6 +82,8 @@ impl Corners {
 
     /// The first point at a height along a direction, as [`Self::reach`] has it.
     #[must_use]
+    // The same products and sums give the same height, to the last bit.
+    #[allow(clippy::float_cmp)]
     pub fn at(&self, direction: &Vec3, height: f64) -> usize {
         let direction = splat(direction);
         for (g, group) in self.groups.iter().enumerate() {

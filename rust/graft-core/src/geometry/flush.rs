@@ -1,8 +1,8 @@
 //! The smallest box that lies flush with a face of the hull.
 //!
-//! Most minimal boxes do (O'Rourke 1985 lets them lie against two edges instead), and it is what other programs look for.
-//! The search for the minimal box works on the extreme points of a few hundred directions, between which a face of the
-//! hull can be overlooked; here every face gets its turn, and lower bounds refute nearly all of them.
+//! Usually it is the minimal box or near it. The search for the minimal box begins with the extreme points of a few
+//! hundred directions, between which a face of the hull can be overlooked; here every face gets its turn, and lower bounds
+//! refute nearly all of them.
 
 use super::search::{Candidate, Polyhedron, Workspace};
 use super::solid::{SAME_NORMAL, face_normals};
@@ -39,4 +39,29 @@ pub fn flush_box(hull: &Polyhedron, insides: &[&Polyhedron], bar: f64, work: &mu
         }
     }
     best
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::super::Vec3;
+    use super::super::corners::spread_directions;
+    use super::super::hull::convex_hull;
+    use super::*;
+
+    #[test]
+    fn bounds_refute_no_face_whose_box_is_the_smallest() {
+        let shape = Vec3::new(1.0, 0.9, 1.2);
+        let directions = spread_directions(400).flat_map(|d| [d, -d]);
+        let points: Vec<Vec3> = directions.map(|d| d.component_mul(&shape)).collect();
+        let few: Vec<Vec3> = points.iter().step_by(5).copied().collect();
+        let hull = Polyhedron::new(convex_hull(&points));
+        let inside = Polyhedron::new(convex_hull(&few));
+        let mut work = Workspace::default();
+        let boxes = hull.normals.iter().map(|n| hull.best_about(n, &mut work).unwrap().volume);
+        let smallest = boxes.fold(f64::INFINITY, f64::min);
+        let found = flush_box(&hull, &[&inside], f64::INFINITY, &mut work).unwrap();
+        assert!((found.volume / smallest - 1.0).abs() < 1e-9);
+        assert!(flush_box(&hull, &[&inside], smallest * (1.0 - 1e-6), &mut work).is_none());
+    }
 }
