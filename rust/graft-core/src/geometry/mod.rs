@@ -2,6 +2,8 @@
 
 pub mod affine;
 pub mod chamfer;
+pub mod corners;
+pub mod flush;
 pub mod frame;
 pub mod gap;
 pub mod hull;
@@ -11,8 +13,10 @@ pub mod part;
 mod quickhull;
 pub mod rectangle;
 pub mod search;
+pub mod solid;
 pub mod surface;
 pub mod ties;
+pub mod turn;
 
 pub use chamfer::chamfer;
 pub use frame::Frame;

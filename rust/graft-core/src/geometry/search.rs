@@ -1,7 +1,8 @@
 //! The polyhedron that the search for the minimal box walks on: neighbours across edges, silhouettes, lower bounds.
 
 use super::Vec3;
-use super::hull::{Hull, convex_hull, neighbours};
+use super::corners::Corners;
+use super::hull::{Hull, neighbours};
 use super::rectangle::{Vec2, minimal_rectangle, planar_hull};
 
 /// A face is seen when its normal leans towards the viewer by more than this; faces on edge count as unseen together,
@@ -27,6 +28,8 @@ pub struct Candidate {
 pub struct Polyhedron {
     /// Corners.
     pub vertices: Vec<Vec3>,
+    /// The same, by coordinate.
+    pub corners: Corners,
     /// Triangles.
     pub faces: Vec<[u32; 3]>,
     /// Outward unit normals; slivers have that of the face along their longest side.
@@ -47,22 +50,6 @@ pub struct Polyhedron {
 pub struct Workspace {
     outline: Vec<Vec2>,
     polygon: Vec<Vec2>,
-    /// Where the last searches for extreme corners ended, by direction.
-    feet: [usize; 6],
-    /// The same for the checks of outlines.
-    reaches: [usize; 4],
-}
-
-/// Return how far `points` reach along a direction.
-#[must_use]
-pub fn extent(points: &[Vec3], direction: &Vec3) -> f64 {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for p in points {
-        let s = p.dot(direction);
-        low = low.min(s);
-        high = high.max(s);
-    }
-    high - low
 }
 
 /// Return two unit vectors that complete a unit `normal` to a right-handed frame (u, v, normal).
@@ -74,14 +61,6 @@ pub fn plane_axes(n: &Vec3) -> (Vec3, Vec3) {
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
     (Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y))
-}
-
-impl Workspace {
-    /// The corners on which the box of the last [`Polyhedron::box_volume`] stands: low and high along each axis.
-    #[must_use]
-    pub fn feet(&self) -> [usize; 6] {
-        self.feet
-    }
 }
 
 impl Polyhedron {
@@ -120,7 +99,8 @@ impl Polyhedron {
             }
         }
         let (ring, ring_start) = rings(&faces, vertices.len());
-        Self { vertices, faces, normals, areas, ring, ring_start, across, closed }
+        let corners = Corners::new(&vertices);
+        Self { vertices, corners, faces, normals, areas, ring, ring_start, across, closed }
     }
 
     /// Undirected edges as (corner, corner), each once.
@@ -133,29 +113,14 @@ impl Polyhedron {
 
     /// Area of the shadow along a unit direction (Cauchy).
     #[must_use]
-    pub fn shadow(&self, direction: &Vec3) -> f64 {
+    fn shadow(&self, direction: &Vec3) -> f64 {
         self.normals.iter().zip(&self.areas).map(|(n, a)| a * n.dot(direction).abs()).sum::<f64>() / 2.0
     }
 
-    /// The corner that lies farthest along a direction, sought uphill from `start`.
-    ///
-    /// On a convex polyhedron every corner without a higher neighbour is the highest.
+    /// A volume that no box with a unit vector `normal` as an axis is smaller than: height times shadow.
     #[must_use]
-    pub fn support(&self, direction: &Vec3, start: usize) -> usize {
-        let mut top = start;
-        let mut height = self.vertices[top].dot(direction);
-        loop {
-            let before = top;
-            for &(other, _) in self.ring_of(before) {
-                let h = self.vertices[other as usize].dot(direction);
-                if h > height {
-                    (top, height) = (other as usize, h);
-                }
-            }
-            if top == before {
-                return top;
-            }
-        }
+    pub fn least_volume(&self, normal: &Vec3) -> f64 {
+        self.shadow(normal) * self.corners.extent(normal)
     }
 
     fn ring_of(&self, corner: usize) -> &[(u32, u32)] {
@@ -167,32 +132,13 @@ impl Polyhedron {
         self.ring_of(corner).iter().map(move |&(other, _)| self.vertices[other as usize] - self.vertices[corner])
     }
 
-    /// How far the polyhedron reaches along a direction; `low` and `high` are where the search starts and ends.
-    fn reach(&self, direction: &Vec3, low: &mut usize, high: &mut usize) -> f64 {
-        *high = self.support(direction, *high);
-        *low = self.support(&-direction, *low);
-        (self.vertices[*high] - self.vertices[*low]).dot(direction)
-    }
-
-    /// Volume of the box with these axes.
-    pub fn box_volume(&self, axes: &[Vec3; 3], work: &mut Workspace) -> f64 {
-        let mut volume = 1.0;
-        for (axis, feet) in axes.iter().zip(work.feet.chunks_exact_mut(2)) {
-            let (low, high) = feet.split_at_mut(1);
-            volume *= self.reach(axis, &mut low[0], &mut high[0]);
-        }
-        volume
-    }
-
     /// The smallest box that has `normal` as an axis.
     pub fn best_about(&self, normal: &Vec3, work: &mut Workspace) -> Option<Candidate> {
         // An axis that is found from an axis, again and again, would drift away from unit length.
         let normal = &normal.normalize();
         let (u, v) = plane_axes(normal);
-        let [mut low, mut high, ..] = work.feet;
-        let height = self.reach(normal, &mut low, &mut high);
-        [work.feet[0], work.feet[1]] = [low, high];
-        if !(self.closed && self.walk_silhouette(normal, &u, &v, work)) {
+        let height = self.corners.extent(normal);
+        if !(self.closed && self.walk_silhouette(normal, [&u, &v], work)) {
             work.outline.clear();
             work.outline.extend(self.vertices.iter().map(|p| Vec2::new(p.dot(&u), p.dot(&v))));
             planar_hull(&mut work.outline, &mut work.polygon);
@@ -201,25 +147,18 @@ impl Polyhedron {
         let x = u * found.side.x + v * found.side.y;
         let axes = [x, normal.cross(&x), *normal];
         // Where rounding led the calipers astray, their rectangle is too small; what the box needs decides.
-        let volume = (found.area * height).max(self.box_volume(&axes, work));
+        let volume = (found.area * height).max(self.corners.volume(&axes));
         Some(Candidate { volume, axes })
     }
 
     /// Project the closed loop between the faces that look along `normal` and those that do not.
     ///
     /// False when the loop through the extreme corner was not found or is not the outline.
-    fn walk_silhouette(&self, normal: &Vec3, u: &Vec3, v: &Vec3, work: &mut Workspace) -> bool {
+    fn walk_silhouette(&self, normal: &Vec3, [u, v]: [&Vec3; 2], work: &mut Workspace) -> bool {
+        let reach = [u, v].map(|direction| self.corners.reach(direction));
         let seen = |edge: usize| self.normals[edge / 3].dot(normal) > SEEN;
         let across = |edge: usize| self.across[edge] as usize;
-        // The outline's extreme corners in four directions.
-        let directions = [*u, *v];
-        let mut widths = [0.0; 2];
-        for (k, direction) in directions.iter().enumerate() {
-            let [mut left, mut right] = [work.reaches[2 * k], work.reaches[2 * k + 1]];
-            widths[k] = self.reach(direction, &mut left, &mut right);
-            [work.reaches[2 * k], work.reaches[2 * k + 1]] = [left, right];
-        }
-        let right = work.reaches[1];
+        let right = self.corners.at(u, reach[0].1);
         let leaving = |&(_, edge): &(u32, u32)| seen(edge as usize) && !seen(across(edge as usize));
         let Some(&(_, start)) = self.ring_of(right).iter().find(|e| leaving(e)) else { return false };
         let start = start as usize;
@@ -240,10 +179,10 @@ impl Polyhedron {
                 }
             }
             if edge == start {
-                let whole = [Vec2::x(), Vec2::y()].iter().zip(widths).all(|(direction, width)| {
-                    let along = work.outline.iter().map(|p| p.dot(direction));
+                let whole = [0, 1].iter().all(|&k| {
+                    let along = work.outline.iter().map(|p| p[k]);
                     let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-                    high - low >= width * (1.0 - LOOP_TOLERANCE)
+                    high - low >= (reach[k].1 - reach[k].0) * (1.0 - LOOP_TOLERANCE)
                 });
                 return whole && convex_loop(&mut work.outline, &mut work.polygon);
             }
@@ -308,53 +247,4 @@ fn convex_loop(outline: &mut [Vec2], polygon: &mut Vec<Vec2>) -> bool {
         planar_hull(outline, polygon);
     }
     polygon.len() >= 3
-}
-
-/// A polyhedron inside the hull, with few corners: what it needs as a box, the hull needs at least.
-pub struct Coarse {
-    shape: Polyhedron,
-}
-
-impl Coarse {
-    /// Take the extreme points of a hull along `directions` spread evenly over half a sphere, and against them.
-    ///
-    /// None when the hull has hardly more corners, or they span no solid.
-    #[must_use]
-    pub fn new(hull: &Polyhedron, directions: usize) -> Option<Self> {
-        if hull.vertices.len() <= 3 * directions {
-            return None;
-        }
-        let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
-        let mut chosen = Vec::with_capacity(2 * directions);
-        let (mut low, mut high) = (0, 0);
-        for i in 0..directions {
-            let z = 1.0 - (i as f64 + 0.5) / directions as f64;
-            let (s, c) = (golden * i as f64).sin_cos();
-            let r = (1.0 - z * z).sqrt();
-            hull.reach(&Vec3::new(r * c, r * s, z), &mut low, &mut high);
-            chosen.extend([low, high]);
-        }
-        chosen.sort_unstable();
-        chosen.dedup();
-        let points: Vec<Vec3> = chosen.iter().map(|&k| hull.vertices[k]).collect();
-        let inner = convex_hull(&points);
-        (!inner.faces.is_empty()).then(|| Self { shape: Polyhedron::new(inner) })
-    }
-
-    /// The polyhedron.
-    #[must_use]
-    pub fn shape(&self) -> &Polyhedron {
-        &self.shape
-    }
-
-    /// A number that no box about the hull with `normal` as an axis is smaller than: height times shadow.
-    #[must_use]
-    pub fn quick_bound(&self, normal: &Vec3) -> f64 {
-        self.shape.shadow(normal) * extent(&self.shape.vertices, normal)
-    }
-
-    /// Like [`Self::quick_bound`], closer: height times the smallest rectangle.
-    pub fn bound(&self, normal: &Vec3, work: &mut Workspace) -> f64 {
-        self.shape.best_about(normal, work).map_or(0.0, |c| c.volume)
-    }
 }
