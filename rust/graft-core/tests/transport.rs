@@ -159,5 +159,5 @@ fn a_batch_says_which_array_its_sizes_contradict() {
     let inputs = fitting.inputs().unwrap();
     assert_eq!(solve_batch(&inputs, &options(), &run(2)).unwrap().len(), 2);
     let (pair, error) = solve_batch(&inputs, &Options { eps: 0.0, ..options() }, &run(2)).unwrap_err();
-    assert_eq!((pair, error.to_string().as_str()), (0, "eps: expected a finite number > 0, got 0"));
+    assert_eq!((pair, error.to_string().as_str()), (0, "eps: expected a finite number of at least 1e-9, got 0"));
 }
