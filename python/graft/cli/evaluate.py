@@ -119,40 +119,40 @@ AskedFlags = Annotated[Asked, tyro.conf.OmitArgPrefixes]
 class Affordance:
     """graft beside the baselines: part accuracy, ASR, NSS, DTM."""
 
-    asked: AskedFlags = Asked()
+    settings: AskedFlags = Asked()
 
     def run(self) -> int:
         """Evaluate, print, draw; returns the exit code."""
-        return _run(self.asked, "affordance", methods(), self.asked.k or 5)
+        return _run(self.settings, "affordance", methods(), self.settings.k or 5)
 
 
 @dataclass(frozen=True)
 class Ablation:
     """graft beside itself with one piece taken out or changed."""
 
-    asked: AskedFlags = Asked()
+    settings: AskedFlags = Asked()
 
     def run(self) -> int:
         """Evaluate, print, draw; returns the exit code."""
-        return _run(self.asked, "ablation", ablations(), self.asked.k or 5)
+        return _run(self.settings, "ablation", ablations(), self.settings.k or 5)
 
 
 @dataclass(frozen=True)
 class Varied:
     """How varied the sources of the best matches are, and how accuracy holds as more are taken."""
 
-    asked: AskedFlags = Asked()
+    settings: AskedFlags = Asked()
 
     def run(self) -> int:
         """Evaluate, print, draw; returns the exit code."""
-        return _run(self.asked, "diversity", retrieving_methods(), self.asked.k or 10)
+        return _run(self.settings, "diversity", retrieving_methods(), self.settings.k or 10)
 
 
 @dataclass(frozen=True)
 class Evaluate:
     """Measure transferred contacts against the graspable parts of objects."""
 
-    what: tyro.conf.OmitSubcommandPrefixes[
+    evaluation: tyro.conf.OmitSubcommandPrefixes[
         Annotated[Affordance, tyro.conf.subcommand("affordance")]
         | Annotated[Ablation, tyro.conf.subcommand("ablation")]
         | Annotated[Varied, tyro.conf.subcommand("diversity")]
@@ -160,7 +160,7 @@ class Evaluate:
 
     def run(self) -> int:
         """Run what was chosen; returns the exit code."""
-        return self.what.run()
+        return self.evaluation.run()
 
 
 def _run(asked: Asked, what: What, chosen: Sequence[Method], k: int) -> int:
