@@ -6,14 +6,14 @@ Every variation is a set of public parameters; nothing is patched.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from graft.evaluate.methods import Graft, Graphs
 from graft.features import FAMILIES, GeometricDescriptor
 from graft.graph import PartGraph, source_mass
-from graft.transport import UFGW, Transport, ufgw_batch
+from graft.transport import UFGW, Transport
 
 ALPHAS = (0.1, 0.3, 0.7, 0.9)
 """Weights of the features that are swept beside the default and the two ends."""
@@ -37,30 +37,11 @@ class RootAnchored:
 
     def batch(self, sources: Sequence[PartGraph], source_parts: Sequence[int], target: PartGraph) -> list[Transport]:
         """Match many sources against one target, in order."""
-        solver = self.solver
+        solver = replace(self.solver, em_rate=None)
         features = solver.features(sources, target)
         roots = [int(np.argmin(cost[part])) for cost, part in zip(features, source_parts, strict=True)]
-        pairs = zip(sources, source_parts, strict=True)
-        transports = ufgw_batch(
-            features,
-            [source.structure for source in sources],
-            [target.structure] * len(sources),
-            [source_mass(source, part, solver.saliency) for source, part in pairs],
-            [source_mass(target, root, solver.saliency) for root in roots],
-            alpha=solver.alpha,
-            tau_s=solver.tau_s,
-            tau_t=solver.tau_t,
-            eps=solver.eps,
-            loss=solver.loss,
-            entropy=solver.entropy,
-            cost=solver.cost,
-            tol=solver.tol,
-            max_outer=solver.max_outer,
-            threads=solver.threads,
-        )
-        return list(transports)
-        found = zip(transports, features, source_parts, strict=True)
-        return [solver.ranked(transport, cost, part) for transport, cost, part in found]
+        masses = [source_mass(target, root, solver.saliency) for root in roots]
+        return solver.solve(sources, source_parts, target, masses)
 
 
 PAPER = UFGW(lambda_relation=0.0, part_weight=0.0, doubt_weight=0.0, rival_weight=0.0)

@@ -10,14 +10,11 @@ import numpy as np
 
 from graft import _core
 from graft.errors import InputError
-from graft.graph import PartGraph, source_mass, target_prior
+from graft.graph import SALIENCY, PartGraph, source_mass, target_prior
 from graft.objects import Floats
 from graft.transport.costs import Cost
 from graft.transport.result import Transport
 from graft.transport.solver import Entropy, Loss, ufgw_batch
-
-SALIENCY = 0.6
-"""The paper's gamma: factor on a part's mass per hop from the demonstrated part."""
 
 SMALLEST_SHARE = 1e-9
 """Shares and claims below this (a demonstrated part that goes nowhere) count as this in the ranking."""
@@ -146,19 +143,27 @@ class UFGW:
                 raise InputError(f"source_part: expected 0 to {last} in {source.object.name}, got {part}")
         if not sources:
             return []
-        prior = target_prior(target)
+        return self.solve(sources, source_parts, target, [target_prior(target)] * len(sources))
+
+    def solve(
+        self,
+        sources: Sequence[PartGraph],
+        source_parts: Sequence[int],
+        target: PartGraph,
+        target_masses: Sequence[Floats],
+    ) -> list[Transport]:
+        """Match many sources against one target whose masses (m,), with EM its priors, are given for every source."""
         features = self.features(sources, target)
         self_features = None
         if self.cost == "debiased":
             own_target = self.features([target], target)[0]
             self_features = [(self.features([source], source)[0], own_target) for source in sources]
-        count = len(sources)
         transports = ufgw_batch(
             features,
             [source.structure for source in sources],
-            [target.structure] * count,
+            [target.structure] * len(sources),
             [source_mass(s, part, self.saliency) for s, part in zip(sources, source_parts, strict=True)],
-            [prior] * count,
+            target_masses,
             alpha=self.alpha,
             tau_s=self.tau_s,
             tau_t=self.tau_t,
