@@ -1,0 +1,122 @@
+"""Parallel grippers as data: boxes, a stroke, a force. The planner, the planner of motions and the simulator read it.
+
+The gripper frame, here and everywhere in graft: the origin is the TCP, midway between the centres of the pads; z is the
+approach, out of the palm towards the object; y is the direction in which the fingers close; x = y cross z. It is the
+frame of Franka's hand. Other conventions are converted where files are read and written.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from graft.checks import Floats, checked_array, is_rotation
+from graft.errors import InputError
+
+MIRROR = np.diag([1.0, -1.0, 1.0])
+"""Takes the finger at +y to the finger at -y."""
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """A box of the gripper.
+
+    Attributes:
+        center: (3,) metres, in the frame of what it belongs to.
+        half_extents: (3,) metres, positive, along the box's own axes.
+        rotation: (3, 3) columns are the box's axes in the frame of what it belongs to.
+    """
+
+    center: Floats
+    half_extents: Floats
+    rotation: Floats = field(default_factory=lambda: np.eye(3))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "center", checked_array("box center", self.center, (3,)))
+        object.__setattr__(self, "half_extents", checked_array("box half_extents", self.half_extents, (3,)))
+        object.__setattr__(self, "rotation", checked_array("box rotation", self.rotation, (3, 3)))
+        if (self.half_extents <= 0).any():
+            raise InputError(f"box half_extents: expected positive numbers, got {self.half_extents.tolist()}")
+        if not is_rotation(self.rotation):
+            raise InputError("box rotation: expected a rotation matrix")
+
+    def mirrored(self) -> Box:
+        """Return the box reflected in the plane y = 0."""
+        return Box(MIRROR @ self.center, self.half_extents, MIRROR @ self.rotation @ MIRROR)
+
+    def moved(self, offset: Floats) -> Box:
+        """Return the box moved by `offset` (3,), metres."""
+        return Box(self.center + offset, self.half_extents, self.rotation)
+
+
+@dataclass(frozen=True, eq=False)
+class Gripper:
+    """A parallel gripper with two mirrored fingers.
+
+    Attributes:
+        name: For people and files.
+        stroke: Largest opening between the pads, metres.
+        palm: Boxes of the hand that do not move, gripper frame (z < 0).
+        finger: Boxes of the finger at +y, in its own frame: axes as the gripper's, origin on the inner surface of the
+            pad at the TCP, so that an opening w puts it at y = w / 2. The first box is the pad: its inner surface is
+            y = 0. The other finger is its mirror image.
+        flange: (4, 4) T_flange_tcp: from where the gripper is mounted to the TCP.
+        force: Closing force that a finger gives by default, newtons.
+        max_force: The most a finger gives, newtons.
+        mass: Of the whole gripper, kilograms.
+    """
+
+    name: str
+    stroke: float
+    palm: tuple[Box, ...]
+    finger: tuple[Box, ...]
+    flange: Floats = field(default_factory=lambda: np.eye(4))
+    force: float = 15.0
+    max_force: float = 70.0
+    mass: float = 0.73
+
+    def __post_init__(self) -> None:
+        where = f"gripper {self.name!r}"
+        if not self.name:
+            raise InputError("gripper name: expected a name, got an empty string")
+        object.__setattr__(self, "palm", tuple(self.palm))
+        object.__setattr__(self, "finger", tuple(self.finger))
+        object.__setattr__(self, "flange", checked_array(f"{where} flange", self.flange, (4, 4)))
+        for what in ("stroke", "force", "max_force", "mass"):
+            value = getattr(self, what)
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"{where} {what}: expected a positive number, got {value}")
+        if not self.finger:
+            raise InputError(f"{where} finger: expected at least one box, the pad; got none")
+        if self.force > self.max_force:
+            raise InputError(f"{where} force: expected at most max_force {self.max_force:g} N, got {self.force:g} N")
+        if not is_rotation(self.flange[:3, :3]):
+            raise InputError(f"{where} flange: expected a rotation and a translation")
+
+    @property
+    def pad(self) -> Box:
+        """The box of the finger at +y that touches, in the finger's frame."""
+        return self.finger[0]
+
+    def boxes(self, opening: float) -> tuple[Box, ...]:
+        """Return palm, finger at +y, finger at -y in the gripper frame, `opening` metres between the pads."""
+        away = np.array([0.0, opening / 2.0, 0.0])
+        right = tuple(box.moved(away) for box in self.finger)
+        return self.palm + right + tuple(box.mirrored() for box in right)
+
+
+PANDA_HAND = Gripper(
+    name="panda_hand",
+    stroke=0.08,
+    palm=(Box((0.0, 0.0, -0.0704), (0.0315, 0.1025, 0.033)),),
+    finger=(
+        Box((0.0, 0.0075, 0.0), (0.0088, 0.0075, 0.009)),
+        Box((0.0, 0.0105, -0.0232), (0.0105, 0.0075, 0.0142)),
+    ),
+    flange=np.array([[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, 1.0, 0.1034], [0, 0, 0, 1.0]]),
+    force=15.0,
+    max_force=70.0,
+    mass=0.73,
+)
+"""Franka's hand. Palm, stroke, TCP from the flange: Franka's data sheet; the fingers are boxes around its meshes."""
