@@ -36,6 +36,7 @@ class DecompositionConfig:
         mcts_nodes: Cuts tried at each level.
         mcts_iterations: Iterations of the tree search for each cut.
         mcts_max_depth: Depth of the search.
+        max_convex_hull: Most pieces of a part.
         max_ch_vertex: Most corners of a piece.
         seed: Of its samples.
     """
@@ -46,6 +47,7 @@ class DecompositionConfig:
     mcts_nodes: int = 10
     mcts_iterations: int = 40
     mcts_max_depth: int = 2
+    max_convex_hull: int = 32
     max_ch_vertex: int = 64
     seed: int = 0
 
@@ -130,8 +132,46 @@ def _run_coacd(vertices: Floats, faces: Ints, config: DecompositionConfig, what:
         print(f"cutting {what!r} ({len(faces)} faces) into convex pieces ...", end="", file=sys.stderr, flush=True)  # noqa: T201
     start = time.perf_counter()
     coacd.set_log_level("off")
-    options = asdict(config)
-    pieces = coacd.run_coacd(coacd.Mesh(vertices, faces), decimate=True, **options)
+    pieces = coacd.run_coacd(coacd.Mesh(*capped(vertices, faces)), **asdict(config))
     if shown:
         print(f" {len(pieces)} in {time.perf_counter() - start:.1f} s", file=sys.stderr)  # noqa: T201
     return tuple(np.asarray(corners, np.float64) for corners, _ in pieces)
+
+
+def capped(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    """Return the surface with its holes closed, each by a fan around the middle of its rim.
+
+    A part cut out of a solid's surface is open where it was cut; left so, CoACD takes it for a thin shell and cuts it
+    into hundreds of flakes.
+    """
+    _, first, same = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
+    corners = same.reshape(-1)[faces]
+    edges = np.vstack([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
+    known = set(map(tuple, edges.tolist()))
+    # A hole is walked against the faces around it.
+    following: dict[int, list[int]] = {}
+    for a, b in known:
+        if (b, a) not in known:
+            following.setdefault(b, []).append(a)
+    for ends in following.values():
+        ends.sort()
+    points = [vertices[first]]
+    fans = [corners]
+    count = len(first)
+    while following:
+        start = min(following)
+        rim = [start]
+        while rim[-1] in following:
+            ends = following[rim[-1]]
+            rim.append(ends.pop())
+            if not ends:
+                del following[rim[-2]]
+            if rim[-1] == start:
+                break
+        if rim[-1] != start:
+            continue  # not a loop: a fold of a broken mesh, left open
+        loop = np.array(rim[:-1])
+        points.append(vertices[first][loop].mean(axis=0, keepdims=True))
+        fans.append(np.stack([loop, np.roll(loop, -1), np.full(len(loop), count)], axis=1))
+        count += 1
+    return np.vstack(points), np.vstack(fans)
