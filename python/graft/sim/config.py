@@ -42,7 +42,7 @@ class SimulationConfig:
         tilt_speed: Degrees per second.
         secured_height: Metres of lift after which both pads must carry.
         least_force: Newtons that a pad must carry to count.
-        least_rise: Share of the lift that the object must rise by.
+        least_rise: Share of the lift that the object's point between the pads must rise by.
         slip_distance: Metres that the object may move between the pads, measured where the grasp's centre was.
         slip_angle: Degrees that it may turn in the hand.
         drift_distance: Metres that the object may move before it is touched.

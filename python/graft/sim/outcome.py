@@ -47,7 +47,8 @@ class Measurements:
         secured_forces: Newtons after the lift by `secured_height`.
         final_forces: Newtons at the end.
         lift: Metres that the hand rose.
-        rise: Metres that the centre of mass rose.
+        rise: Metres that the object's point between the pads rose.
+        center_rise: Metres that the centre of mass rose: less than `rise` when the object turned in the hand.
         slip_distance: Metres that the object's point between the pads moved in the hand from closing to the end.
         slip_angle: Degrees that the object turned in the hand, likewise.
     """
@@ -64,6 +65,7 @@ class Measurements:
     final_forces: tuple[float, float] | None = None
     lift: float | None = None
     rise: float | None = None
+    center_rise: float | None = None
     slip_distance: float | None = None
     slip_angle: float | None = None
 

@@ -20,7 +20,14 @@ FOOT, PIECE, HAND = 1, 2, 4
 """Collision bits."""
 
 FINGER_MASS = 0.05
-"""Kilograms of a finger. Light, so that its momentum when it touches is small against the force that follows."""
+"""Kilograms of a finger."""
+
+FINGER_ARMATURE = 0.2
+"""Kilograms that the drive adds to a finger (the reflected inertia of motor and gear)."""
+
+FINGER_DAMPING = 30.0
+"""Newton seconds per metre: about critical for servo and armature. No more: the contact solver does not see that
+implicit integration adds timestep times damping to the inertia, and strong dampers make contacts soft."""
 
 FINGER_STIFFNESS = 2000.0
 """Newtons per metre of the servo that opens the fingers; closing saturates it at the force, whatever the width."""
@@ -141,7 +148,6 @@ def _add_hand(spec: Any, gripper: Gripper, config: SimulationConfig, mj: Any) ->
     for box in gripper.palm:
         _add_box(hand, box, config, HAND_COLOR, mj)
     tendon = spec.add_tendon(name=LINKED)
-    damping = config.force / config.closing_speed
     for name, sign in (("finger_left", 1.0), ("finger_right", -1.0)):
         finger = hand.add_body(name=name, gravcomp=1.0)
         _weigh(finger, FINGER_MASS)
@@ -149,9 +155,9 @@ def _add_hand(spec: Any, gripper: Gripper, config: SimulationConfig, mj: Any) ->
         joint.limited = mj.mjtLimited.mjLIMITED_TRUE
         joint.range = [0, gripper.stroke / 2]
         joint.solref_limit = STIFF
-        # At the closing speed the damper takes the whole force; a finger that has touched stands and gives all of it.
+        joint.armature = FINGER_ARMATURE
         # MjSpec keeps polynomial damping as a vector in newer versions, as a number in older ones.
-        joint.damping = [damping, *([0.0] * (len(joint.damping) - 1))] if np.ndim(joint.damping) else damping
+        joint.damping = [FINGER_DAMPING, *([0.0] * (len(joint.damping) - 1))] if np.ndim(joint.damping) else FINGER_DAMPING
         for index, box in enumerate(gripper.finger):
             geom = _add_box(finger, box if sign > 0 else box.mirrored(), config, HAND_COLOR if index else PAD_COLOR, mj)
             geom.priority = 1
@@ -163,6 +169,8 @@ def _add_hand(spec: Any, gripper: Gripper, config: SimulationConfig, mj: Any) ->
     weld = spec.add_equality(type=mj.mjtEq.mjEQ_WELD, objtype=mj.mjtObj.mjOBJ_BODY)
     weld.name1, weld.name2 = "path", "hand"
     weld.solref = config.weld_solref
+    # Anchor and relative pose are zero: the hand is led by its own frame; the last number weighs turning.
+    weld.data[:10] = 0.0
     weld.data[10] = 1.0
     servo = spec.add_actuator(name=LINKED, trntype=mj.mjtTrn.mjTRN_TENDON, target=LINKED)
     servo.set_to_position(kp=FINGER_STIFFNESS)
