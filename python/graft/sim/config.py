@@ -69,8 +69,8 @@ class SimulationConfig:
     approach_speed: float = 0.25
     closing_speed: float = 0.1
     squeeze_time: float = 0.2
-    lift_height: float = 0.15
-    lift_speed: float = 0.2
+    lift_height: float = 0.2
+    lift_speed: float = 0.25
     hold_time: float = 1.0
     shake_amplitude: float = 0.0
     shake_frequency: float = 3.0
