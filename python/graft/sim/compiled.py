@@ -167,12 +167,11 @@ class CompiledScene:
 
     def warnings(self) -> tuple[str, ...]:
         """Names of the warnings that MuJoCo has counted."""
+        counts = self.data.warning.number
+        if not counts.any():
+            return ()
         kinds = self.mj.mjtWarning
-        return tuple(
-            kinds(i).name.removeprefix("mjWARN_").lower()
-            for i, warning in enumerate(self.data.warning)
-            if warning.number > 0
-        )
+        return tuple(kinds(int(i)).name.removeprefix("mjWARN_").lower() for i in np.flatnonzero(counts))
 
     @contextmanager
     def quiet(self) -> Iterator[None]:

@@ -21,7 +21,7 @@ FLAT = 1e-11
 CONCAVITY = 0.0015
 """A part whose surface nowhere lies deeper than this under its hull, metres, is its hull."""
 
-SWEEP_TOLERANCE = 0.0005
+SWEEP_TOLERANCE = 0.0006
 """How deep, metres, the surface of a swept part may lie under a piece ..."""
 
 SWEEP_TOLERANCE_SHARE = 1 / 400

@@ -21,7 +21,7 @@ TUBE_SEGMENTS = 20
 CAP_RINGS = 3
 """Rings between a flat end's edge and its middle, so that no face reaches across a large flat end."""
 
-SECTOR_SAGITTA = 0.0005
+SECTOR_SAGITTA = 0.0006
 """How far, metres, the chord of a sector of a vessel's wall may cut into the cavity (what a hull of it adds) ..."""
 
 SECTOR_SAGITTA_SHARE = 0.008
@@ -227,7 +227,7 @@ def _wall_sweeps(rows: Ints, outline: Floats, n_rim: int, z_inside: Floats) -> t
     outer = np.concatenate([outside, lip])
     share = max(SECTOR_SAGITTA_SHARE, SECTOR_SAGITTA / float(outline[:, 0].max()))
     angle = 2 * np.arccos(max(0.0, 1 - share))
-    count = int(np.ceil(m / max(1, int(angle / (2 * np.pi / m)))))
+    count = int(np.ceil(m / max(1, int(angle / (2 * np.pi / m) + 0.15))))
     edges = np.linspace(0, m, count + 1).round().astype(int)
     floor = np.vstack([rows[: outside[0] + 1], rows[inside[:1]]])
     sectors = []
