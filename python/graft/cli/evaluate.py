@@ -41,7 +41,8 @@ from graft.evaluate.report import (
     summarise,
 )
 from graft.evaluate.rows import Row
-from graft.evaluate.runner import Progress, build_graphs, evaluate
+from graft.evaluate.runner import build_graphs, evaluate
+from graft.evaluate.work import Progress
 from graft.viz import save_scene, save_sheet
 
 WORST = 24
