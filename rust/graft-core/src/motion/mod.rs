@@ -21,3 +21,6 @@ pub use obstacles::Obstacles;
 pub use pose::Pose;
 pub use rrt::{Options, Outcome, Plan, plan};
 pub use space::Space;
+
+#[cfg(test)]
+mod tests;
