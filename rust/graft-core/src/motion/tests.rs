@@ -83,7 +83,8 @@ fn says_why_there_is_no_path() {
     assert_eq!(ended([0.5, 0.5], [0.9, 0.1], &limits), Outcome::StartBlocked);
     assert_eq!(ended([0.1, 0.1], [0.5, 0.5], &limits), Outcome::GoalBlocked);
     assert_eq!(ended([0.1, 0.1], [0.9, 0.1], &limits), Outcome::OutOfIterations);
-    let hurried = Options { time_limit: Some(std::time::Duration::from_millis(5)), max_iterations: usize::MAX, ..limits };
+    let hurried =
+        Options { time_limit: Some(std::time::Duration::from_millis(5)), max_iterations: usize::MAX, ..limits };
     assert_eq!(ended([0.1, 0.1], [0.9, 0.1], &hurried), Outcome::OutOfTime);
 }
 
