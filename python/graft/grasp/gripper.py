@@ -117,6 +117,17 @@ class Gripper:
                 f"{where} finger: expected the inner surface of the first box, the pad, at y = 0, got y = {inner:g}"
             )
 
+    def is_like(self, other: Gripper) -> bool:
+        """Whether another gripper is the same in all but its name, force and mass."""
+        mine, theirs = (self.palm + self.finger, other.palm + other.finger)
+        return (
+            self.stroke == other.stroke
+            and len(self.palm) == len(other.palm)
+            and len(self.finger) == len(other.finger)
+            and np.array_equal(self.flange, other.flange)
+            and all(np.array_equal(a.corners, b.corners) for a, b in zip(mine, theirs, strict=True))
+        )
+
     @property
     def pad(self) -> Box:
         """The box of the finger at +y that touches, in the finger's frame."""
