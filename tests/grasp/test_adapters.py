@@ -78,9 +78,9 @@ def test_a_file_gives_the_grasps_on_a_part_and_above_the_support(tmp_path):
     on_handle = planner.plan(mug(), None, PANDA_HAND, part="handle")
     assert len(on_handle) == 2
     assert on_handle.rejected["on another part"] == 1
-    above = planner.plan(mug(), None, PANDA_HAND, part="handle", support=Support((0, 0, 1), 0.0))
-    assert len(above) == 1
-    assert above.rejected["below the support"] == 1
+    clear = planner.plan(mug(), None, PANDA_HAND, part="handle", support=Support((0, 0, 1), 0.0))
+    assert len(clear) == 1
+    assert clear.rejected["below the support"] == 1
 
 
 def test_a_grasp_wider_than_the_stroke_is_left_out(tmp_path):
