@@ -33,12 +33,14 @@ class Prediction:
         part: Index of the target part it is said to lie on.
         source: Index of the source it comes from; None for methods that look at none.
         confidence: Higher is surer, comparable between queries of one method; None when it does not say.
+        approach: (3,) unit direction in which the gripper should come, target frame; None when it does not say.
     """
 
     point: Floats
     part: int
     source: int | None = None
     confidence: float | None = None
+    approach: Floats | None = None
 
 
 class Predictor(Protocol):
@@ -187,7 +189,7 @@ class GraftPredictor:
     def predict(self, query: Query, k: int, rng: Generator) -> list[Prediction]:
         """Return the contacts transferred along the k best matches."""
         return [
-            Prediction(self._landed(done), done.target_part, source, done.confidence)
+            Prediction(self._landed(done), done.target_part, source, done.confidence, done.contact.approach)
             for source, done in self._ranked(query, k)
         ]
 

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 import graft
+from graft.evaluate.book import code_fingerprint
 from graft.evaluate.diversity import Diversity
 from graft.evaluate.intervals import Estimate, bootstrap_mean
 from graft.evaluate.protocols import Benchmark
-from graft.evaluate.rows import Answer, Row, code_fingerprint
+from graft.evaluate.rows import Answer, Row
 from graft.objects import Floats
 
 QUOTED: Mapping[str, Mapping[str, float]] = {"GRAFT, paper (quoted)": {"asr": 0.85, "nss": 0.82, "dtm": 0.02}}

@@ -1,15 +1,9 @@
-"""Ask every method every query, on several processes, and keep what was answered.
-
-Rows go to a file as they come, so that a run that was stopped goes on where it was; a file made with
-anything else, another version of the code included, is refused. The rows, and their order, are the same on
-any number of workers.
-"""
+"""Ask every method every query, and keep what was answered."""
 
 from __future__ import annotations
 
 import json
-import multiprocessing
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -19,14 +13,13 @@ import numpy as np
 
 import graft
 from graft.errors import InputError
+from graft.evaluate.book import ROWS, Book, code_fingerprint, digest
 from graft.evaluate.methods import Graphs, Method, Predictor
 from graft.evaluate.metrics import GraspableMask
 from graft.evaluate.protocols import Benchmark, stream
-from graft.evaluate.rows import ROWS, Answer, Book, Row, code_fingerprint, digest
+from graft.evaluate.rows import Answer, Row
+from graft.evaluate.work import Progress, answered
 from graft.graph import PartGraph
-
-Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how many are done, how many there are."""
 
 DIGITS = 9
 """Significant digits of what the metrics say in a row."""
@@ -99,18 +92,6 @@ def _rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-_sent: list[_Job] = []
-"""The job of this worker process; empty in the parent."""
-
-
-def _receive(job: _Job) -> None:
-    _sent[:] = [job]
-
-
-def _answer(number: int) -> list[Row]:
-    return _sent[0].rows(number)
-
-
 def evaluate(
     benchmark: Benchmark,
     methods: Sequence[Method],
@@ -145,17 +126,15 @@ def evaluate(
         if value < 1:
             raise InputError(f"{name}: expected at least 1, got {value}")
     keys = [query.key for query in benchmark.queries]
-    book = None if out is None else Book.open(out / ROWS, _header(benchmark, methods, k))
-    done = {} if book is None else book.done
-    missing = [i for i, key in enumerate(keys) if key not in done]
-    if missing:
-        job = _fitted(benchmark, methods, k, workers, progress)
-        for count, (number, rows) in enumerate(zip(missing, _stream(job, missing, workers), strict=True)):
-            done[keys[number]] = rows
-            if book is not None:
-                book.write(rows)
-            progress("transferring", len(keys) - len(missing) + count + 1, len(keys))
-    return [row for key in keys for row in done[key]]
+    book = None if out is None else Book.open(out / ROWS, _header(benchmark, methods, k), Row.read)
+    return answered(
+        keys,
+        lambda: _fitted(benchmark, methods, k, workers, progress),
+        book,
+        workers=workers,
+        what="transferring",
+        progress=progress,
+    )
 
 
 def build_graphs(
@@ -183,17 +162,6 @@ def _fitted(benchmark: Benchmark, methods: Sequence[Method], k: int, workers: in
     graphs = dict(zip(settings, build_graphs(benchmark, settings, workers=workers, progress=progress), strict=True))
     predictors = tuple(method.fit(benchmark, graphs[method.graphs]) for method in methods)
     return _Job(benchmark, tuple(methods), predictors, k)
-
-
-def _stream(job: _Job, numbers: Sequence[int], workers: int) -> Iterator[list[Row]]:
-    """Yield the rows of every query, in order."""
-    if workers == 1 or len(numbers) == 1:
-        yield from map(job.rows, numbers)
-        return
-    # Spawned, not forked: the core's threads would not survive a fork.
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(min(workers, len(numbers)), _receive, (job,)) as pool:
-        yield from pool.imap(_answer, numbers)
 
 
 def _header(benchmark: Benchmark, methods: Sequence[Method], k: int) -> dict[str, Any]:

@@ -1,0 +1,176 @@
+"""Inverse kinematics by mink, and plans of an arm to a gripper pose in the world.
+
+Collisions are the core's: boxes around the model's collision shapes against the object's own triangles. MuJoCo would take
+an object's convex hull for the object, and then no finger gets into a handle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graft.checks import Floats, checked_array
+from graft.errors import InputError, MissingExtraError
+from graft.grasp import Support
+from graft.io import ObjectLike
+from graft.motion import MotionConfig
+from graft.motion.joints import JointMotion, clear_joints, no_joint_motion, plan_joints, world_around
+from graft.motion.trajectory import checked_pose
+from graft.sim.arm_model import Arm, load_arm, panda_arm
+
+__all__ = ["Arm", "IkConfig", "load_arm", "panda_arm", "plan_arm", "solve_ik"]
+
+LARGEST_STEP = 0.5
+"""Radians (or metres) that a joint moves at most in one step: Newton's method overshoots near singularities."""
+
+DAMPING = 1e-6
+"""Damping of the least squares, so that they are solvable where the arm is straight."""
+
+SAME_SOLUTION = 0.05
+"""Solutions whose joints all agree to this, radians or metres, count as one."""
+
+DEFAULTS = MotionConfig()
+
+
+@dataclass(frozen=True)
+class IkConfig:
+    """How inverse kinematics is solved.
+
+    Attributes:
+        attempts: Starts at most: the given joints, home, then random ones.
+        solutions: Different solutions that are enough.
+        iterations: Steps of one attempt.
+        position_tolerance: Metres by which a solution may miss.
+        angle_tolerance: Radians by which a solution may miss.
+        seed: Of the random starts.
+    """
+
+    attempts: int = 24
+    solutions: int = 4
+    iterations: int = 60
+    position_tolerance: float = 1e-4
+    angle_tolerance: float = 1e-3
+    seed: int = 0
+
+
+IK_DEFAULTS = IkConfig()
+
+
+def solve_ik(
+    arm: Arm, T_world_gripper: ArrayLike, start: ArrayLike | None = None, *, config: IkConfig = IK_DEFAULTS
+) -> Floats:
+    """Return joint values that bring the gripper to a pose, without a look at collisions.
+
+    Args:
+        arm: The arm; its fingers stay as in `start`.
+        T_world_gripper: (4, 4) metres.
+        start: (j,) joint values to begin at; home by default.
+        config: How hard to try.
+
+    Returns:
+        (k, j) different solutions within the joint limits, the nearest to `start` (largest difference of a joint)
+        first; none where no attempt arrived.
+
+    Raises:
+        InputError: The pose is no rigid motion, or the joint values are not finite.
+        MissingExtraError: mink is not installed.
+    """
+    try:
+        import mink
+    except ImportError:
+        raise MissingExtraError("inverse kinematics", package="mink", extra="sim") from None
+    pose = checked_pose("T_world_gripper", T_world_gripper)
+    begin = checked_array("start joints", arm.home if start is None else start, (arm.chain.n_joints,))
+    task = mink.FrameTask(arm.site, "site", position_cost=1.0, orientation_cost=1.0, lm_damping=DAMPING)
+    task.set_target(mink.SE3.from_matrix(pose))
+    configuration = mink.Configuration(arm.model)
+    rng = np.random.default_rng(config.seed)
+    low, high = arm.chain.limits.T
+    found: list[Floats] = []
+    for attempt in range(config.attempts):
+        if len(found) >= config.solutions:
+            break
+        q = begin.copy()
+        if attempt == 1:
+            q[arm.arm_joints] = arm.home[arm.arm_joints]
+        elif attempt > 1:
+            q[arm.arm_joints] = rng.uniform(low, high)[arm.arm_joints]
+        for _ in range(config.iterations):
+            configuration.update(q)
+            error = task.compute_error(configuration)
+            if (
+                np.linalg.norm(error[:3]) <= config.position_tolerance
+                and np.linalg.norm(error[3:]) <= config.angle_tolerance
+            ):
+                if all(np.abs(q - other).max() > SAME_SOLUTION for other in found):
+                    found.append(q)
+                break
+            velocity = mink.solve_ik(configuration, [task], 1.0, "daqp", limits=[mink.ConfigurationLimit(arm.model)])
+            step = np.zeros_like(q)
+            step[arm.arm_joints] = velocity[arm.arm_joints]
+            q = q + step * min(1.0, LARGEST_STEP / max(np.abs(step).max(), LARGEST_STEP))
+            q[arm.arm_joints] = np.clip(q, low, high)[arm.arm_joints]
+    found.sort(key=lambda q: float(np.abs(q - begin).max()))
+    return np.array(found).reshape(-1, arm.chain.n_joints)
+
+
+def plan_arm(
+    arm: Arm,
+    obj: ObjectLike | None,
+    T_world_object: ArrayLike,
+    T_world_gripper: ArrayLike,
+    start: ArrayLike | None = None,
+    *,
+    support: Support | None = None,
+    opening: float | None = None,
+    config: MotionConfig = DEFAULTS,
+    ik: IkConfig = IK_DEFAULTS,
+) -> JointMotion:
+    """Plan how an arm brings its gripper to a pose without touching the object, the support or itself.
+
+    Args:
+        arm: The arm.
+        obj: The object, anything `graft.as_object` takes; None for none.
+        T_world_object: (4, 4) where the object stands, metres.
+        T_world_gripper: (4, 4) where the gripper goes, metres.
+        start: (j,) joint values; home by default. Fingers are set to `opening`.
+        support: The plane that nothing but the arm's base goes below, world frame.
+        opening: Between the pads, metres; as at `home` by default.
+        config: How to plan and how fast to move.
+        ik: How inverse kinematics is solved. Its solutions are tried from the nearest on.
+
+    Returns:
+        The motion, or one without waypoints that says why there is none.
+
+    Raises:
+        InputError: A pose is no rigid motion, an opening that the fingers do not reach, joint values that are not
+            finite.
+        MissingExtraError: mink is not installed.
+    """
+    fingers = arm.fingers
+    if opening is not None:
+        reach = 2.0 * float(arm.chain.limits[fingers, 1].min()) if len(fingers) else 0.0
+        if not 0.0 <= opening <= reach:
+            raise InputError(f"opening: expected metres from 0 to {reach:g}, got {opening}")
+    held = arm.holding(float(2.0 * arm.home[fingers].max(initial=0.0)) if opening is None else opening)
+    begin = np.array(checked_array("start joints", held.home if start is None else start, (arm.chain.n_joints,)))
+    begin[fingers] = held.home[fingers]
+    world = world_around(obj, T_world_object, support)
+    if not clear_joints(held.chain, world, begin[None], config.clearance)[0]:
+        return no_joint_motion(held.chain, config.reason(1, 0, 0))
+    solutions = solve_ik(held, T_world_gripper, begin, config=ik)
+    if not len(solutions):
+        return no_joint_motion(held.chain, f"goal out of reach: no solution of {ik.attempts} attempts")
+    clear = clear_joints(held.chain, world, solutions, config.clearance)
+    if not clear.any():
+        return no_joint_motion(held.chain, f"goal in collision in all {len(solutions)} solutions of the joints")
+    # A share of the iterations each, so that the whole search is no longer than one.
+    share = replace(config, max_iterations=config.max_iterations // int(clear.sum()))
+    motion = no_joint_motion(held.chain, "no solution was tried")
+    for goal in solutions[clear]:
+        motion = plan_joints(held.chain, world, begin[None], goal[None], share)[0]
+        if motion.found:
+            break
+    return motion
