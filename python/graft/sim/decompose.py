@@ -20,6 +20,7 @@ import numpy as np
 from graft.errors import InputError, MissingExtraError
 from graft.io.atomic import write_whole
 from graft.objects import Floats, Ints
+from graft.sim.capping import capped, enclosed
 
 FORMAT = 1
 """Version of the cache files; another one is another key."""
@@ -30,6 +31,7 @@ class DecompositionConfig:
     """How CoACD cuts; its names. Coarser than its defaults where that made no difference to grasps but to the time.
 
     Attributes:
+        faces: A finer surface is simplified to so many triangles first.
         threshold: Largest concavity of a piece, in units of the part scaled to [-1, 1].
         preprocess_resolution: Voxels across when an open surface is closed first.
         resolution: Samples that concavity is measured by.
@@ -41,6 +43,7 @@ class DecompositionConfig:
         seed: Of its samples.
     """
 
+    faces: int = 4000
     threshold: float = 0.05
     preprocess_resolution: int = 40
     resolution: int = 1000
@@ -55,7 +58,7 @@ class DecompositionConfig:
         # CoACD's own range; outside it prints and goes on with another value.
         if not 0.01 <= self.threshold <= 1.0:
             raise InputError(f"decomposition threshold: expected 0.01 to 1, got {self.threshold:g}")
-        for name in ("preprocess_resolution", "resolution", "mcts_nodes", "mcts_iterations", "mcts_max_depth"):
+        for name in ("faces", "preprocess_resolution", "resolution", "mcts_nodes", "mcts_iterations", "mcts_max_depth"):
             if getattr(self, name) < 1:
                 raise InputError(f"decomposition {name}: expected at least 1, got {getattr(self, name)}")
 
@@ -125,53 +128,26 @@ def _read(path: Path) -> tuple[Floats, ...] | None:
 def _run_coacd(vertices: Floats, faces: Ints, config: DecompositionConfig, what: str) -> tuple[Floats, ...]:
     try:
         import coacd
-    except ImportError:
-        raise MissingExtraError(f"cutting the concave part {what!r}", package="coacd", extra="sim") from None
+        import fast_simplification
+    except ImportError as error:
+        package = (error.name or "coacd").replace("_", "-")
+        raise MissingExtraError(f"cutting the concave part {what!r}", package=package, extra="sim") from None
     shown = sys.stderr.isatty()
     if shown:
         print(f"cutting {what!r} ({len(faces)} faces) into convex pieces ...", end="", file=sys.stderr, flush=True)  # noqa: T201
     start = time.perf_counter()
     coacd.set_log_level("off")
-    pieces = coacd.run_coacd(coacd.Mesh(*capped(vertices, faces)), **asdict(config))
+    options = asdict(config)
+    most = options.pop("faces")
+    solid = capped(vertices, faces)
+    if enclosed(*solid) > 0:  # else the surface is that of a cavity, and CoACD's own closing has to do
+        vertices, faces = solid
+    if len(faces) > most:
+        vertices, faces = fast_simplification.simplify(
+            vertices.astype(np.float32), faces.astype(np.int32), target_count=most
+        )
+    pieces = coacd.run_coacd(coacd.Mesh(vertices, faces), **options)
     if shown:
         print(f" {len(pieces)} in {time.perf_counter() - start:.1f} s", file=sys.stderr)  # noqa: T201
     return tuple(np.asarray(corners, np.float64) for corners, _ in pieces)
 
-
-def capped(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
-    """Return the surface with its holes closed, each by a fan around the middle of its rim.
-
-    A part cut out of a solid's surface is open where it was cut; left so, CoACD takes it for a thin shell and cuts it
-    into hundreds of flakes.
-    """
-    _, first, same = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
-    corners = same.reshape(-1)[faces]
-    edges = np.vstack([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])
-    known = set(map(tuple, edges.tolist()))
-    # A hole is walked against the faces around it.
-    following: dict[int, list[int]] = {}
-    for a, b in known:
-        if (b, a) not in known:
-            following.setdefault(b, []).append(a)
-    for ends in following.values():
-        ends.sort()
-    points = [vertices[first]]
-    fans = [corners]
-    count = len(first)
-    while following:
-        start = min(following)
-        rim = [start]
-        while rim[-1] in following:
-            ends = following[rim[-1]]
-            rim.append(ends.pop())
-            if not ends:
-                del following[rim[-2]]
-            if rim[-1] == start:
-                break
-        if rim[-1] != start:
-            continue  # not a loop: a fold of a broken mesh, left open
-        loop = np.array(rim[:-1])
-        points.append(vertices[first][loop].mean(axis=0, keepdims=True))
-        fans.append(np.stack([loop, np.roll(loop, -1), np.full(len(loop), count)], axis=1))
-        count += 1
-    return np.vstack(points), np.vstack(fans)
