@@ -13,7 +13,7 @@ from graft.grasp import Grasp, Support
 from graft.io import ObjectLike, as_object
 from graft.motion.config import MotionConfig
 from graft.motion.hand import DEFAULTS, checked_opening, plan_among
-from graft.motion.obstacles import metric_world, workspace
+from graft.motion.obstacles import metric_world
 from graft.motion.trajectory import Motion, checked_pose, no_motion, stamp
 
 STRAIGHT = 0.08
@@ -90,11 +90,10 @@ def plan_approach(
     given = as_object(obj)
     world = metric_world(given, support)
     before = end @ translation(np.array([0.0, 0.0, -straight]))
-    bounds = workspace(world, np.stack([begin[:3, 3], before[:3, 3]]), config.margin)
     direct = replace(config, max_iterations=0, clearance=min(STRAIGHT_CLEARANCE, config.clearance))
 
     def fly(start: Floats, goal: Floats, width: float, how: MotionConfig) -> Motion:
-        return plan_among(world, start[None], goal[None], grasp.gripper, width, bounds, how)[0]
+        return plan_among(world, start[None], goal[None], grasp.gripper, width, how)[0]
 
     openings = _openings(grasp, opening)
     ends = (fly(before, end, width, direct) for width in openings)

@@ -36,7 +36,17 @@ def plane_of(support: Support | None) -> tuple[float, float, float, float] | Non
     return x, y, z, float(support.offset)
 
 
-def workspace(world: World, positions: Floats, margin: float) -> Floats:
-    """Return the corners (2, 3) of the box of an object and positions (n, 3), larger by `margin` on every side."""
-    points = np.concatenate([world[0], positions]).T.copy()
-    return np.stack([points.min(axis=1) - margin, points.max(axis=1) + margin])
+def workspaces(world: World, starts: Floats, goals: Floats, margin: float) -> Floats:
+    """Return for each problem the corners (n, 2, 3) of the box of object, start and goal, `margin` larger all around.
+
+    Args:
+        world: What stands in the way.
+        starts: (n, 4, 4) poses.
+        goals: (n, 4, 4) poses.
+        margin: Metres.
+    """
+    points = world[0].T.copy()  # columns are reduced an order of magnitude sooner than rows
+    low = np.minimum(starts[:, :3, 3], goals[:, :3, 3])
+    high = np.maximum(starts[:, :3, 3], goals[:, :3, 3])
+    low, high = np.minimum(low, points.min(axis=1)), np.maximum(high, points.max(axis=1))
+    return np.stack([low - margin, high + margin], axis=1)
