@@ -11,10 +11,10 @@ from graft import _core
 from graft.checks import Floats, Ints, checked_array
 from graft.errors import InputError
 from graft.grasp import Support
-from graft.io import ObjectLike
+from graft.io import ObjectLike, as_object
 from graft.motion.config import MotionConfig
 from graft.motion.hand import DEFAULTS
-from graft.motion.obstacles import World, metric_mesh, plane_of, world_of
+from graft.motion.obstacles import World, metric_world, plane_of
 from graft.motion.trajectory import checked_pose
 
 FIXED, HINGE, SLIDE = 0, 1, 2
@@ -143,7 +143,8 @@ def world_around(obj: ObjectLike | None, T_world_object: ArrayLike, support: Sup
     pose = checked_pose("T_world_object", T_world_object)
     if obj is None:
         return np.empty((0, 3)), np.empty((0, 3), np.int64), plane_of(support)
-    return world_of(metric_mesh(obj).transformed(pose), support)
+    vertices, faces, plane = metric_world(as_object(obj), support)
+    return vertices @ pose[:3, :3].T + pose[:3, 3], faces, plane
 
 
 def plan_joints(

@@ -219,19 +219,20 @@ pub fn plan_hands<'py>(
     box_centers: PyReadonlyArray2<'py, f64>,
     box_rotations: PyReadonlyArray3<'py, f64>,
     box_half_extents: PyReadonlyArray2<'py, f64>,
-    bounds: PyReadonlyArray2<'py, f64>,
+    bounds: PyReadonlyArray3<'py, f64>,
     starts: PyReadonlyArray3<'py, f64>,
     goals: PyReadonlyArray3<'py, f64>,
     settings: Settings,
 ) -> PyResult<(Bound<'py, PyArray3<f64>>, Rows<'py>)> {
-    shape("bounds", &bounds, &[Some(2), Some(3)])?;
-    let corners = points_of(finite("bounds", &bounds)?);
+    shape("bounds", &bounds, &[None, Some(2), Some(3)])?;
+    let corners: Vec<[Vec3; 2]> =
+        points_of(finite("bounds", &bounds)?).chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
     let hand = boxes(&box_centers, &box_rotations, &box_half_extents)?;
     let (starts, goals) = (poses("starts", &starts)?, poses("goals", &goals)?);
     let options = settings.options()?;
     let obstacles = world.obstacles()?;
     let plans = py
-        .detach(|| motion::plan_hands(&obstacles, &hand, [corners[0], corners[1]], &starts, &goals, &options))
+        .detach(|| motion::plan_hands(&obstacles, &hand, &corners, &starts, &goals, &options))
         .map_err(|error| to_py(&error))?;
     let path: Vec<f64> = plans.iter().flat_map(|plan| &plan.path).flat_map(Pose::to_rows).collect();
     let path = Array3::from_shape_vec((path.len() / 16, 4, 4), path).map_err(unshaped)?;

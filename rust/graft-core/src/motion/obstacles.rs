@@ -1,14 +1,15 @@
 //! What stands in the way: an object's triangles and the plane it stands on.
 
-use std::cmp::Ordering;
-
 use crate::Error;
 use crate::geometry::{OrientedBox, Vec3, points_of};
 
 /// A leaf holds at most this many triangles.
 const LEAF_SIZE: usize = 4;
 
-/// Deeper than any tree of median splits over 2^32 triangles.
+/// Bits of a cell's index along each axis of the curve: cells of a thousandth of the object.
+const CURVE_BITS: u32 = 10;
+
+/// Deeper than any tree of halves over 2^32 triangles.
 const STACK_SIZE: usize = 64;
 
 /// An object and its support.
@@ -43,12 +44,12 @@ impl Obstacles {
         };
         let (rows, _) = faces.as_chunks::<3>();
         let triangles = rows.iter().map(|[a, b, c]| Ok([corner(a)?, corner(b)?, corner(c)?]));
-        let mut leaves: Vec<Leaf> = triangles.map(|t| t.map(Leaf::of)).collect::<Result<_, Error>>()?;
-        let mut nodes = Vec::with_capacity(leaves.len());
-        if !leaves.is_empty() {
-            split(&mut leaves, 0, &mut nodes);
+        let triangles = along_curve(&triangles.collect::<Result<Vec<_>, Error>>()?);
+        let mut nodes = Vec::with_capacity(triangles.len());
+        if !triangles.is_empty() {
+            split(&triangles, 0, &mut nodes);
         }
-        Ok(Self { triangles: leaves.into_iter().map(|leaf| leaf.corners).collect(), nodes, support })
+        Ok(Self { triangles, nodes, support })
     }
 
     /// Whether a box touches the object or reaches below the support.
@@ -95,43 +96,54 @@ impl Obstacles {
     }
 }
 
-struct Leaf {
-    corners: [Vec3; 3],
-    low: Vec3,
-    high: Vec3,
+/// The triangles along a Morton curve through their centres (Lauterbach and others, "Fast BVH construction on GPUs",
+/// 2009): one sort makes neighbours of what is near, an order of magnitude sooner than a sort at every split. Of equal
+/// codes the triangle of lower index comes first.
+fn along_curve(triangles: &[[Vec3; 3]]) -> Vec<[Vec3; 3]> {
+    let center = |t: &[Vec3; 3]| t[0] + t[1] + t[2];
+    let first = triangles.first().map_or_else(Vec3::zeros, center);
+    let (low, high) =
+        triangles.iter().fold((first, first), |(low, high), t| (low.inf(&center(t)), high.sup(&center(t))));
+    let cells = f64::from(1_u32 << CURVE_BITS) - 1.0;
+    let scale = (high - low).map(|width| if width > 0.0 { cells / width } else { 0.0 });
+    let code = |t: &[Vec3; 3]| {
+        let cell = (center(t) - low).component_mul(&scale);
+        spread(cell.x as u64) | spread(cell.y as u64) << 1 | spread(cell.z as u64) << 2
+    };
+    let mut order: Vec<u64> = triangles.iter().enumerate().map(|(i, t)| code(t) << 32 | i as u64).collect();
+    order.sort_unstable();
+    order.into_iter().map(|key| triangles[(key & 0xFFFF_FFFF) as usize]).collect()
 }
 
-impl Leaf {
-    fn of(corners: [Vec3; 3]) -> Self {
-        let [a, b, c] = &corners;
-        Self { low: a.inf(b).inf(c), high: a.sup(b).sup(c), corners }
-    }
+/// Put two zeros between the ten lowest bits.
+fn spread(cell: u64) -> u64 {
+    let mut x = cell & 0x3FF;
+    x = (x | x << 16) & 0x0300_00FF;
+    x = (x | x << 8) & 0x0300_F00F;
+    x = (x | x << 4) & 0x030C_30C3;
+    (x | x << 2) & 0x0924_9249
 }
 
-/// Median splits along the longest side of the box of centres; triangles are put in the order of the leaves, the first
-/// of which is the `first` of all.
-fn split(leaves: &mut [Leaf], first: usize, nodes: &mut Vec<Node>) {
-    let (mut low, mut high) = (leaves[0].low, leaves[0].high);
-    let middle = |leaf: &Leaf| leaf.low + leaf.high;
-    let (mut least, mut most) = (middle(&leaves[0]), middle(&leaves[0]));
-    for leaf in &leaves[1..] {
-        (low, high) = (low.inf(&leaf.low), high.sup(&leaf.high));
-        (least, most) = (least.inf(&middle(leaf)), most.sup(&middle(leaf)));
-    }
+/// Halve the triangles, the first of which is the `first` of all, down to leaves; return the corners of their box.
+fn split(triangles: &[[Vec3; 3]], first: usize, nodes: &mut Vec<Node>) -> (Vec3, Vec3) {
     let node = nodes.len();
-    nodes.push(Node { center: (low + high) * 0.5, half: (high - low) * 0.5, at: first, count: leaves.len() });
-    if leaves.len() <= LEAF_SIZE {
-        return;
-    }
-    let axis = (most - least).imax();
-    let half = leaves.len() / 2;
-    let key = |leaf: &Leaf| leaf.low[axis] + leaf.high[axis];
-    leaves.select_nth_unstable_by(half, |a, b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
-    let (left, right) = leaves.split_at_mut(half);
-    split(left, first, nodes);
-    nodes[node].at = nodes.len();
-    nodes[node].count = 0;
-    split(right, first + half, nodes);
+    nodes.push(Node { center: Vec3::zeros(), half: Vec3::zeros(), at: first, count: triangles.len() });
+    let (low, high) = if triangles.len() <= LEAF_SIZE {
+        let corners = triangles.iter().flatten();
+        corners.fold((triangles[0][0], triangles[0][0]), |(low, high), p| (low.inf(p), high.sup(p)))
+    } else {
+        let (left, right) = triangles.split_at(triangles.len() / 2);
+        let (low, high) = split(left, first, nodes);
+        nodes[node].at = nodes.len();
+        nodes[node].count = 0;
+        let (other_low, other_high) = split(right, first + left.len(), nodes);
+        (low.inf(&other_low), high.sup(&other_high))
+    };
+    // Rounding of centre and half must not shrink the box.
+    let half = (high - low) * 0.5;
+    nodes[node].center = low + half;
+    nodes[node].half = half + (low.abs() + high.abs()) * f64::EPSILON;
+    (low, high)
 }
 
 /// Whether box and triangle share a point, by the 13 separating axes (Akenine-Moller, "Fast 3D triangle-box overlap
