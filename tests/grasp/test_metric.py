@@ -12,7 +12,7 @@ CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 2]])
 
 def thing(scale=0.05, size=1.0, up=(0, 0, 1)):
     faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-    parts = (Part("a", size * CORNERS, faces), Part("b", size * (CORNERS + [2, 0, 1]), faces))
+    parts = (Part("a", size * CORNERS, faces), Part("b", size * (CORNERS + np.array([2.0, 0, 1])), faces))
     joint = Joint(0, 1, "slide", "s", axis=(1, 0, 0), origin=(size, 0, 0), limits=(0.0, size))
     return PartObject("thing", parts, (joint,), up=up, scale_to_metres=scale)
 
