@@ -18,6 +18,16 @@ if TYPE_CHECKING:
     from graft.errors import GraftError, InputError, InputWarning, MissingExtraError
     from graft.features import Descriptor, GeometricDescriptor
     from graft.graph import PartFlag, PartGraph, build_graph
+    from graft.grasp import (
+        PANDA_HAND,
+        ROBOTIQ_2F85,
+        Grasp,
+        GraspSet,
+        Gripper,
+        find_gripper,
+        load_grasps,
+        save_grasps,
+    )
     from graft.io import (
         as_object,
         load_demonstration,
@@ -30,9 +40,20 @@ if TYPE_CHECKING:
     from graft.marking import mark_contact
     from graft.objects import Contact, Demonstration, Joint, Part, PartObject
     from graft.transport import UFGW, Transport, ufgw, ufgw_batch
-    from graft.viz import save_glb, save_object_scene, save_scene, save_sheet, save_views
+    from graft.viz import (
+        save_glb,
+        save_grasp_glb,
+        save_grasp_scene,
+        save_grasp_sheet,
+        save_object_scene,
+        save_scene,
+        save_sheet,
+        save_views,
+    )
 
 _HOMES = {
+    "PANDA_HAND": "graft.grasp",
+    "ROBOTIQ_2F85": "graft.grasp",
     "UFGW": "graft.transport",
     "Contact": "graft.objects",
     "Demonstration": "graft.objects",
@@ -40,6 +61,9 @@ _HOMES = {
     "Descriptor": "graft.features",
     "GeometricDescriptor": "graft.features",
     "GraftError": "graft.errors",
+    "Grasp": "graft.grasp",
+    "GraspSet": "graft.grasp",
+    "Gripper": "graft.grasp",
     "InputError": "graft.errors",
     "InputWarning": "graft.errors",
     "Joint": "graft.objects",
@@ -56,13 +80,19 @@ _HOMES = {
     "as_object": "graft.io",
     "build_graph": "graft.graph",
     "dense_map": "graft.contact",
+    "find_gripper": "graft.grasp",
     "load_demonstration": "graft.io",
     "load_demonstrations": "graft.io",
+    "load_grasps": "graft.grasp",
     "load_object": "graft.io",
     "mark_contact": "graft.marking",
     "match": "graft.library",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
+    "save_grasp_glb": "graft.viz",
+    "save_grasp_scene": "graft.viz",
+    "save_grasp_sheet": "graft.viz",
+    "save_grasps": "graft.grasp",
     "save_object": "graft.io",
     "save_object_scene": "graft.viz",
     "save_scene": "graft.viz",
@@ -75,6 +105,8 @@ _HOMES = {
 
 __version__ = "0.1.0"
 __all__ = [
+    "PANDA_HAND",
+    "ROBOTIQ_2F85",
     "UFGW",
     "Contact",
     "Demonstration",
@@ -82,6 +114,9 @@ __all__ = [
     "Descriptor",
     "GeometricDescriptor",
     "GraftError",
+    "Grasp",
+    "GraspSet",
+    "Gripper",
     "InputError",
     "InputWarning",
     "Joint",
@@ -98,13 +133,19 @@ __all__ = [
     "as_object",
     "build_graph",
     "dense_map",
+    "find_gripper",
     "load_demonstration",
     "load_demonstrations",
+    "load_grasps",
     "load_object",
     "mark_contact",
     "match",
     "save_demonstration",
     "save_glb",
+    "save_grasp_glb",
+    "save_grasp_scene",
+    "save_grasp_sheet",
+    "save_grasps",
     "save_object",
     "save_object_scene",
     "save_scene",
