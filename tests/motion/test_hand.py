@@ -8,6 +8,7 @@ from motion_scenes import beside, down, mug
 from graft.errors import InputError
 from graft.grasp import PANDA_HAND, Support
 from graft.motion import MotionConfig, plan_motion, plan_motions
+from graft.objects import Part, PartObject
 
 OBJECT, TABLE = mug()
 LEFT, RIGHT = beside(OBJECT, -1, 0.06), beside(OBJECT, 1, 0.06)
@@ -101,7 +102,7 @@ def test_a_narrower_opening_gets_through_where_the_stroke_does_not():
         ({"start": np.eye(3)}, "start: expected shape"),
         ({"opening": 0.081}, "opening: expected metres from 0 to the stroke 0.08"),
         ({"opening": float("nan")}, "opening"),
-        ({"obj": (np.random.default_rng(0).random((50, 3)), np.empty((0, 3), int))}, "point cloud"),
+        ({"obj": trimesh.creation.box([90.0, 90.0, 90.0])}, "give scale_to_metres"),
     ],
 )
 def test_bad_input_is_one_line(change, match):
@@ -120,6 +121,15 @@ def test_bad_settings_are_refused(field):
     for value in (-1, float("nan")):
         with pytest.raises(InputError, match=field):
             MotionConfig(**{field: value})
+
+
+def test_clouds_are_in_the_way_too():
+    points = OBJECT.parts[0].vertices
+    cloud = PartObject("cloud", (Part("points", points),), scale_to_metres=1.0)
+    motion = plan_motion(cloud, LEFT, RIGHT, PANDA_HAND, support=TABLE)
+    assert motion.found
+    assert motion.iterations > 0
+    assert "goal in collision" in plan_motion(cloud, LEFT, down([0.04, 0, 0.05]), PANDA_HAND).reason
 
 
 def test_nothing_goes_below_the_support():

@@ -42,7 +42,7 @@ def plan_motion(
         The motion, or a motion without poses that says why there is none.
 
     Raises:
-        InputError: A pose is no rigid motion, the opening is beyond the stroke, or the object has no metres or faces.
+        InputError: A pose is no rigid motion, the opening is beyond the stroke, or the object's size is not that of an object in metres.
     """
     return plan_motions(obj, [start], [goal], gripper, support=support, opening=opening, config=config)[0]
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from graft import _core
 from graft.checks import Floats, Ints, checked_array
 from graft.errors import InputError, MissingExtraError
 from graft.grasp import PANDA_HAND, Gripper
-from graft.motion.joints import FIXED, HINGE, SLIDE, Chain
+from graft.motion.joints import FIXED, HINGE, SLIDE, Chain, clear_joints
+from graft.motion.obstacles import nothing_but
 from graft.motion.panda import HOME, TCP_SITE, panda_mjcf
 
 UNLIMITED = np.pi
@@ -195,13 +195,10 @@ def _pairs(model: Any, geoms: list[int]) -> Ints:
 def _without_touching(chain: Chain, joints: Floats) -> Chain:
     """Drop the pairs of boxes that overlap at `joints`."""
     alone = replace(chain, movers=np.empty(0, np.int64))
-    nothing = (np.empty((0, 3)), np.empty((0, 3), np.int64), None)
     kept = [
         pair
         for pair in chain.pairs
-        if _core.clear_arms(
-            world=nothing, links=alone.links, movers=alone.movers, pairs=pair[None], joints=joints[None], slack=0.0
-        )[0]
+        if clear_joints(replace(alone, pairs=pair[None]), nothing_but(None), joints[None], 0.0)[0]
     ]
     return replace(chain, pairs=np.array(kept, np.int64).reshape(-1, 2))
 
