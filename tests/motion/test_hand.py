@@ -37,9 +37,7 @@ def test_the_same_seed_gives_the_same_motion_alone_or_in_company():
     config = MotionConfig(seed=5)
     ends = [(LEFT, RIGHT), (RIGHT, LEFT), (LEFT, down([0, 0, 0.3]))]
     alone = [plan_motion(OBJECT, a, b, PANDA_HAND, support=TABLE, config=config) for a, b in ends]
-    batch = plan_motions(
-        OBJECT, [a for a, _ in ends], [b for _, b in ends], PANDA_HAND, support=TABLE, config=config
-    )
+    batch = plan_motions(OBJECT, [a for a, _ in ends], [b for _, b in ends], PANDA_HAND, support=TABLE, config=config)
     assert all(same(a, b) for a, b in zip(alone, batch, strict=True))
     other = plan_motion(OBJECT, LEFT, RIGHT, PANDA_HAND, support=TABLE, config=MotionConfig(seed=6))
     assert not same(alone[0], other)
@@ -85,7 +83,10 @@ def test_gives_up_with_a_reason():
 
 def test_a_narrower_opening_gets_through_where_the_stroke_does_not():
     # Two blocks, 13 cm apart: the open fingers, 8 cm + 2 x 1.5 cm wide, pass; a slot of 10 cm only lets closed ones in.
-    wall = [trimesh.creation.box([0.4, 0.2, 0.04], trimesh.transformations.translation_matrix([0, y, 0])) for y in (-0.15, 0.15)]
+    wall = [
+        trimesh.creation.box([0.4, 0.2, 0.04], trimesh.transformations.translation_matrix([0, y, 0]))
+        for y in (-0.15, 0.15)
+    ]
     blocks = trimesh.util.concatenate(wall)
     through = down([0, 0, 0.0])
     above = down([0, 0, 0.3])
@@ -108,9 +109,7 @@ def test_a_narrower_opening_gets_through_where_the_stroke_does_not():
 def test_bad_input_is_one_line(change, match):
     arguments = {"obj": OBJECT, "start": LEFT, "goal": RIGHT, "opening": None} | change
     with pytest.raises(InputError, match=match) as error:
-        plan_motion(
-            arguments["obj"], arguments["start"], arguments["goal"], PANDA_HAND, opening=arguments["opening"]
-        )
+        plan_motion(arguments["obj"], arguments["start"], arguments["goal"], PANDA_HAND, opening=arguments["opening"])
     assert "\n" not in str(error.value)
 
 

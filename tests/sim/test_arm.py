@@ -162,7 +162,16 @@ def test_bad_input_is_one_line():
         (lambda: plan_arm(ARM, mug, T_world_object, goal, opening=0.09), "opening: expected metres from 0 to 0.08"),
         (lambda: load_arm("<mujoco><worldbody><geom/></worldbody></mujoco>", site="tcp"), "MuJoCo cannot compile"),
         (lambda: load_arm(ODD, site="tcp"), "no site 'tcp'; its sites are tool"),
-        (lambda: load_arm(ODD.replace('<joint name="a" axis="1 0 0" pos="0.05 0 0.02" ref="0.4" range="-1 1"/>', '<joint name="a" type="ball"/>').replace('<joint name="b" axis="0 0.6 0.8" pos="0 0.1 0" range="-2 2"/>', ''), site="tool"), "joint 'a': expected a hinge"),
+        (
+            lambda: load_arm(
+                ODD.replace(
+                    '<joint name="a" axis="1 0 0" pos="0.05 0 0.02" ref="0.4" range="-1 1"/>',
+                    '<joint name="a" type="ball"/>',
+                ).replace('<joint name="b" axis="0 0.6 0.8" pos="0 0.1 0" range="-2 2"/>', ""),
+                site="tool",
+            ),
+            "joint 'a': expected a hinge",
+        ),
         (lambda: load_arm(ODD, site="tool", home=[0.0]), "home: expected shape"),
         (lambda: load_arm("/nowhere/arm.xml", site="tool"), "MuJoCo cannot compile"),
         (lambda: IkConfig(attempts=0), "attempts: expected at least 1"),

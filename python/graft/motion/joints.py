@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from graft import _core
 from graft.checks import Floats, Ints, checked_array
@@ -196,7 +196,7 @@ def no_joint_motion(chain: Chain, reason: str, iterations: int = 0, nodes: int =
     return JointMotion(np.empty((0, chain.n_joints)), np.empty(0), reason, iterations, nodes, checks)
 
 
-def clear_joints(chain: Chain, world: World, joints: ArrayLike, slack: float) -> Floats:
+def clear_joints(chain: Chain, world: World, joints: ArrayLike, slack: float) -> NDArray[np.bool_]:
     """Return which joint values (n, j) keep every contact `slack` metres away: (n,) bool."""
     values = checked_array("joints", joints, (None, chain.n_joints))
     return _core.clear_arms(

@@ -92,8 +92,9 @@ def _hand(gripper: Gripper) -> str:
         return f'<body name="{name}" gravcomp="1">{joint}{boxes}</body>'
 
     return (
-        f'<body name="hand" pos="0 0 {FLANGE}" quat="{_text(turn)}" gravcomp="1"><body name="gripper" {tcp} gravcomp="1">'
-        f'<site name="{TCP_SITE}"/>{palm}{finger("finger_right", 1, right)}{finger("finger_left", -1, left)}</body></body>'
+        f'<body name="hand" pos="0 0 {FLANGE}" quat="{_text(turn)}" gravcomp="1">'
+        f'<body name="gripper" {tcp} gravcomp="1"><site name="{TCP_SITE}"/>{palm}'
+        f"{finger('finger_right', 1, right)}{finger('finger_left', -1, left)}</body></body>"
     )
 
 

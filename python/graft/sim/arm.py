@@ -1,7 +1,7 @@
 """Inverse kinematics by mink, and plans of an arm to a gripper pose in the world.
 
-Collisions are the core's: boxes around the model's collision shapes against the object's own triangles. MuJoCo would take
-an object's convex hull for the object, and then no finger gets into a handle.
+Collisions are the core's: boxes around the model's collision shapes against the object's own triangles. MuJoCo would
+take an object's convex hull for the object, and then no finger gets into a handle.
 """
 
 from __future__ import annotations

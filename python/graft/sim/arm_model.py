@@ -95,7 +95,7 @@ def load_arm(mjcf: str | Path, *, site: str, home: ArrayLike | None = None, name
             raise InputError(f"arm {name!r} joint {model.joint(j).name!r}: expected a hinge or a slide")
     start = checked_array("home", model.qpos0 if home is None else home, (model.njnt,))
     chain = _without_touching(_chain(mujoco, model), start)
-    carrying = []
+    carrying: list[int] = []
     body = int(model.site_bodyid[number])
     while body > 0:
         first = int(model.body_jntadr[body])
@@ -154,9 +154,7 @@ def _chain(mujoco: Any, model: Any) -> Chain:
     ]
     frames = [_frame(model.geom_pos[g], model.geom_quat[g]) for g in geoms]
     centers = [f[:3, :3] @ model.geom_aabb[g][:3] + f[:3, 3] for f, g in zip(frames, geoms, strict=True)]
-    limits = [
-        model.jnt_range[j] if model.jnt_limited[j] else (-UNLIMITED, UNLIMITED) for j in range(model.njnt)
-    ]
+    limits = [model.jnt_range[j] if model.jnt_limited[j] else (-UNLIMITED, UNLIMITED) for j in range(model.njnt)]
     moving = [k for k, g in enumerate(geoms) if model.body_weldid[model.geom_bodyid[g]] > 0]
     return Chain(
         parents=np.array(parents, np.int64),
