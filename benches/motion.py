@@ -4,8 +4,8 @@
 
 Objects of the zoo (and YCB scans, with the extra demo) stand on a table; the open hand starts above or beside them,
 anyhow turned. Goals: poses 8 cm before places on graspable parts (pre-grasps), and the grasps themselves, fingers
-around the part (narrow). Both planners get the problems whose ends keep 1 mm from everything by FCL, the same bounds and
-the same weight of rotations. Every path of either planner is checked again by FCL, a pose every half millimetre of
+around the part (narrow). Both planners get the problems whose ends keep 1 mm from everything by FCL, the same bounds
+and the same weight of rotations. Every path of either planner is checked again by FCL, a pose every half millimetre of
 travel. Times are the process's processor time: other work on the machine does not count.
 
 The arm: inverse kinematics of poses that random configurations have, and plans to them around a mug on a table.
@@ -305,21 +305,29 @@ def is_direct(p: Problem) -> bool:
     return plan_motions(p.obj, [p.start], [p.goal], PANDA_HAND, support=p.support, config=DIRECT)[0].found
 
 
+PLANNERS: dict[str, Callable[[list[Problem]], list[Run]]] = {
+    "graft, a call each": lambda todo: run_graft(todo, 1),
+    f"graft, {BATCH} in a call, per plan": lambda todo: run_graft(todo, BATCH),
+    "OMPL + FCL, steps of 1 % of extent": lambda todo: run_ompl(todo, 0.0),
+    "OMPL + FCL, steps of 2 mm": lambda todo: run_ompl(todo, 0.002),
+}
+
+
 def hand_tables(todo: list[Problem]) -> None:
-    """Print both planners on the same problems."""
-    for narrow in (False, True):
-        some = [p for p in todo if p.narrow == narrow]
-        direct = sum(
-            plan_motions(p.obj, [p.start], [p.goal], PANDA_HAND, support=p.support, config=DIRECT)[0].found
-            for p in some
-        )
-        kind = "grasps, the fingers around the part" if narrow else "pre-grasps"
-        print(f"goals: {kind}; {len(some)} problems, {direct} of them solved by the direct motion")
+    """Print all planners on the same problems: by the kind of goal, and those without a direct way again."""
+    results = {name: planner(todo) for name, planner in PLANNERS.items()}
+    direct = [is_direct(p) for p in todo]
+    kinds = {
+        "pre-grasps": [not p.narrow for p in todo],
+        "grasps, the fingers around the part": [p.narrow for p in todo],
+        "of both, no direct way": [not d for d in direct],
+    }
+    for kind, chosen in kinds.items():
+        straight = sum(c and d for c, d in zip(chosen, direct, strict=True))
+        print(f"{kind}: {sum(chosen)} problems, {straight} with a direct way; ms")
         print(f"  {'':34} {'found':>9} {'valid':>5} {'search':>9} {'whole':>9} {'90 %':>9} {'tests':>8} {'length':>7}")
-        row("graft, a call each", run_graft(some, 1))
-        row(f"graft, {BATCH} in a call, per plan", run_graft(some, BATCH))
-        row("OMPL + FCL, steps of 1 % of extent", run_ompl(some, 0.0))
-        row("OMPL + FCL, steps of 2 mm", run_ompl(some, 0.002))
+        for name, runs in results.items():
+            row(name, [run for run, c in zip(runs, chosen, strict=True) if c])
 
 
 def arm_table() -> None:

@@ -28,12 +28,14 @@ if TYPE_CHECKING:
     )
     from graft.library import Library, Match, match
     from graft.marking import mark_contact
+    from graft.motion import Approach, Motion, MotionConfig, plan_approach, plan_motion, plan_motions
     from graft.objects import Contact, Demonstration, Joint, Part, PartObject
     from graft.transport import UFGW, Transport, ufgw, ufgw_batch
     from graft.viz import save_glb, save_object_scene, save_scene, save_sheet, save_views
 
 _HOMES = {
     "UFGW": "graft.transport",
+    "Approach": "graft.motion",
     "Contact": "graft.objects",
     "Demonstration": "graft.objects",
     "DenseMap": "graft.contact",
@@ -46,6 +48,8 @@ _HOMES = {
     "Library": "graft.library",
     "Match": "graft.library",
     "MissingExtraError": "graft.errors",
+    "Motion": "graft.motion",
+    "MotionConfig": "graft.motion",
     "Part": "graft.objects",
     "PartFlag": "graft.graph",
     "PartGraph": "graft.graph",
@@ -61,6 +65,9 @@ _HOMES = {
     "load_object": "graft.io",
     "mark_contact": "graft.marking",
     "match": "graft.library",
+    "plan_approach": "graft.motion",
+    "plan_motion": "graft.motion",
+    "plan_motions": "graft.motion",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
     "save_object": "graft.io",
@@ -76,6 +83,7 @@ _HOMES = {
 __version__ = "0.1.0"
 __all__ = [
     "UFGW",
+    "Approach",
     "Contact",
     "Demonstration",
     "DenseMap",
@@ -88,6 +96,8 @@ __all__ = [
     "Library",
     "Match",
     "MissingExtraError",
+    "Motion",
+    "MotionConfig",
     "Part",
     "PartFlag",
     "PartGraph",
@@ -103,6 +113,9 @@ __all__ = [
     "load_object",
     "mark_contact",
     "match",
+    "plan_approach",
+    "plan_motion",
+    "plan_motions",
     "save_demonstration",
     "save_glb",
     "save_object",

@@ -5,7 +5,7 @@ import pytest
 
 from graft import zoo
 from graft.errors import InputError
-from graft.grasp import Support, in_metres
+from graft.grasp import PANDA_HAND, Grasp, Support, in_metres
 from graft.motion import MotionConfig
 from graft.motion.joints import clear_joints, plan_joints, world_around
 
@@ -13,6 +13,7 @@ mujoco = pytest.importorskip("mujoco")
 pytest.importorskip("mink")
 
 from graft.sim.arm import IkConfig, load_arm, panda_arm, plan_arm, solve_ik  # noqa: E402
+from graft.sim.arm_approach import plan_arm_approach  # noqa: E402
 
 ARM = panda_arm()
 TABLE = Support(np.array([0.0, 0.0, 1.0]), 0.0)
@@ -132,6 +133,26 @@ def test_the_same_seed_gives_the_same_motion():
     assert all(motion.found for motion in runs[0])
     assert any(motion.iterations for motion in runs[0])
     assert all(np.array_equal(a.joints, b.joints) for a, b in zip(*runs, strict=True))
+
+
+def test_an_approach_ends_straight_and_lifts():
+    mug, T_world_object, goal = grip()
+    grasp = Grasp(np.linalg.inv(T_world_object) @ goal, 0.016, 1.0, np.zeros((2, 3)), 0.0, PANDA_HAND)
+    plan = plan_arm_approach(ARM, mug, T_world_object, grasp, support=TABLE)
+    assert plan.found
+    assert np.array_equal(plan.transit.joints[-1], plan.straight.joints[0])
+    assert np.array_equal(plan.straight.joints[-1], plan.lift.joints[0])
+    for leg, direction, length in ((plan.straight, goal[:3, 2], 0.08), (plan.lift, TABLE.normal, 0.1)):
+        poses = np.stack([site_pose(ARM, q) for q in leg.at(np.linspace(0, leg.duration, 60))])
+        ways = poses[:, :3, 3] - poses[0, :3, 3]
+        assert ways[-1] @ direction == pytest.approx(length, abs=3e-4)
+        assert np.linalg.norm(ways - np.outer(ways @ direction, direction), axis=1).max() < 4e-4
+        assert np.abs(poses[:, :3, :3] - goal[:3, :3]).max() < 5e-3
+    far = np.eye(4)
+    far[0, 3] = 3.0
+    assert plan_arm_approach(ARM, mug, far, grasp, support=TABLE).reason.startswith("grasp out of reach")
+    sunk = Support(np.array([0.0, 0.0, 1.0]), 0.06)
+    assert "blocked" in plan_arm_approach(ARM, mug, T_world_object, grasp, support=sunk).reason
 
 
 def test_says_why_there_is_no_motion():

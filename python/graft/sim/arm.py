@@ -92,12 +92,12 @@ def solve_ik(
     """
     begin = checked_array("start joints", arm.home if start is None else start, (arm.chain.n_joints,))
     pose = checked_pose("T_world_gripper", T_world_gripper)
-    found = list(itertools.islice(_solutions(arm, pose, begin, config), config.solutions))
+    found = list(itertools.islice(ik_solutions(arm, pose, begin, config), config.solutions))
     found.sort(key=lambda q: float(np.abs(q - begin).max()))
     return np.array(found).reshape(-1, arm.chain.n_joints)
 
 
-def _solutions(arm: Arm, pose: Floats, begin: Floats, config: IkConfig) -> Iterator[Floats]:
+def ik_solutions(arm: Arm, pose: Floats, begin: Floats, config: IkConfig) -> Iterator[Floats]:
     """Yield different solutions as they are found."""
     try:
         import mink
@@ -164,14 +164,8 @@ def plan_arm(
             finite.
         MissingExtraError: mink is not installed.
     """
-    fingers = arm.fingers
-    if opening is not None:
-        reach = 2.0 * float(arm.chain.limits[fingers, 1].min()) if len(fingers) else 0.0
-        if not 0.0 <= opening <= reach:
-            raise InputError(f"opening: expected metres from 0 to {reach:g}, got {opening}")
-    held = arm.holding(float(2.0 * arm.home[fingers].max(initial=0.0)) if opening is None else opening)
-    begin = np.array(checked_array("start joints", held.home if start is None else start, (arm.chain.n_joints,)))
-    begin[fingers] = held.home[fingers]
+    held = held_at(arm, opening)
+    begin = begin_at(held, start)
     world = world_around(obj, T_world_object, support)
     if not clear_joints(held.chain, world, begin[None], config.clearance)[0]:
         return no_joint_motion(held.chain, config.reason(1, 0, 0))
@@ -179,7 +173,7 @@ def plan_arm(
     # A share of the iterations for each solution, so that the whole search is no longer than one.
     share = replace(config, max_iterations=config.max_iterations // ik.solutions)
     motion, colliding, tried = no_joint_motion(held.chain, "goal out of reach"), 0, 0
-    for goal in _solutions(held, target, begin, ik):
+    for goal in ik_solutions(held, target, begin, ik):
         if not clear_joints(held.chain, world, goal[None], config.clearance)[0]:
             colliding += 1
             continue
@@ -191,3 +185,29 @@ def plan_arm(
         return motion
     why = f"goal in collision in all {colliding} solutions of the joints" if colliding else "goal out of reach"
     return no_joint_motion(held.chain, f"{why}, after {ik.attempts} attempts")
+
+
+def held_at(arm: Arm, opening: float | None) -> Arm:
+    """Return the arm with its fingers held at an opening, for None at that of its home.
+
+    Raises:
+        InputError: The fingers do not reach it.
+    """
+    fingers = arm.fingers
+    if opening is None:
+        return arm.holding(float(2.0 * arm.home[fingers].max(initial=0.0)))
+    reach = 2.0 * float(arm.chain.limits[fingers, 1].min()) if len(fingers) else 0.0
+    if not 0.0 <= opening <= reach:
+        raise InputError(f"opening: expected metres from 0 to {reach:g}, got {opening}")
+    return arm.holding(opening)
+
+
+def begin_at(held: Arm, start: ArrayLike | None) -> Floats:
+    """Return the joint values (j,) to start at, home for None, with the fingers where they are held.
+
+    Raises:
+        InputError: They are not finite, or not one for each joint.
+    """
+    begin = np.array(checked_array("start joints", held.home if start is None else start, (held.chain.n_joints,)))
+    begin[held.fingers] = held.home[held.fingers]
+    return begin

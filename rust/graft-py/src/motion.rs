@@ -111,7 +111,7 @@ pub struct Links<'py> {
     #[pyo3(item(5))]
     limits: PyReadonlyArray2<'py, f64>,
     #[pyo3(item(6))]
-    box_links: PyReadonlyArray1<'py, i64>,
+    carriers: PyReadonlyArray1<'py, i64>,
     #[pyo3(item(7))]
     box_centers: PyReadonlyArray2<'py, f64>,
     #[pyo3(item(8))]
@@ -143,8 +143,8 @@ impl Links<'_> {
         });
         let links = links.collect::<PyResult<Vec<Link>>>()?;
         let shapes = boxes(&self.box_centers, &self.box_rotations, &self.box_half_extents)?;
-        shape("box_links", &self.box_links, &[Some(shapes.len())])?;
-        let on = indices("box_links", slice("box_links", &self.box_links)?)?;
+        shape("box_links", &self.carriers, &[Some(shapes.len())])?;
+        let on = indices("box_links", slice("box_links", &self.carriers)?)?;
         let on_links = on.into_iter().zip(shapes).map(|(link, shape)| LinkBox { link, shape }).collect();
         let (limits, _) = finite("limits", &self.limits)?.as_chunks::<2>();
         Chain::new(links, on_links, limits.iter().map(|l| (l[0], l[1])).collect()).map_err(|error| to_py(&error))
