@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     )
     from graft.library import Library, Match, match
     from graft.marking import mark_contact
+    from graft.motion import Approach, Motion, MotionConfig, plan_approach, plan_motion, plan_motions
     from graft.objects import Contact, Demonstration, Joint, Part, PartObject
     from graft.transport import UFGW, Transport, ufgw, ufgw_batch
     from graft.viz import (
@@ -55,6 +56,7 @@ _HOMES = {
     "PANDA_HAND": "graft.grasp",
     "ROBOTIQ_2F85": "graft.grasp",
     "UFGW": "graft.transport",
+    "Approach": "graft.motion",
     "Contact": "graft.objects",
     "Demonstration": "graft.objects",
     "DenseMap": "graft.contact",
@@ -70,6 +72,8 @@ _HOMES = {
     "Library": "graft.library",
     "Match": "graft.library",
     "MissingExtraError": "graft.errors",
+    "Motion": "graft.motion",
+    "MotionConfig": "graft.motion",
     "Part": "graft.objects",
     "PartFlag": "graft.graph",
     "PartGraph": "graft.graph",
@@ -87,6 +91,9 @@ _HOMES = {
     "load_object": "graft.io",
     "mark_contact": "graft.marking",
     "match": "graft.library",
+    "plan_approach": "graft.motion",
+    "plan_motion": "graft.motion",
+    "plan_motions": "graft.motion",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
     "save_grasp_glb": "graft.viz",
@@ -108,6 +115,7 @@ __all__ = [
     "PANDA_HAND",
     "ROBOTIQ_2F85",
     "UFGW",
+    "Approach",
     "Contact",
     "Demonstration",
     "DenseMap",
@@ -123,6 +131,8 @@ __all__ = [
     "Library",
     "Match",
     "MissingExtraError",
+    "Motion",
+    "MotionConfig",
     "Part",
     "PartFlag",
     "PartGraph",
@@ -140,6 +150,9 @@ __all__ = [
     "load_object",
     "mark_contact",
     "match",
+    "plan_approach",
+    "plan_motion",
+    "plan_motions",
     "save_demonstration",
     "save_glb",
     "save_grasp_glb",

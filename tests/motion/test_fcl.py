@@ -37,7 +37,10 @@ class Peer:
         for box, shape in zip(self.boxes, self.shapes, strict=True):
             turn, center = pose[:3, :3] @ box.rotation, pose[:3, :3] @ box.center + pose[:3, 3]
             shape.setTransform(fcl.Transform(turn, center))
-            if center @ self.support.normal - self.support.offset < np.abs(turn.T @ self.support.normal) @ box.half_extents:
+            if (
+                center @ self.support.normal - self.support.offset
+                < np.abs(turn.T @ self.support.normal) @ box.half_extents
+            ):
                 return True
             if fcl.collide(shape, self.obstacle, fcl.CollisionRequest(), fcl.CollisionResult()):
                 return True

@@ -42,7 +42,7 @@ def plan_motion(
         The motion, or a motion without poses that says why there is none.
 
     Raises:
-        InputError: A pose is no rigid motion, the opening is beyond the stroke, or the object has no metres or faces.
+        InputError: A pose is no rigid motion, the opening is beyond the stroke, or the object's size is none in metres.
     """
     return plan_motions(obj, [start], [goal], gripper, support=support, opening=opening, config=config)[0]
 
@@ -119,9 +119,8 @@ def checked_opening(gripper: Gripper, opening: float | None) -> float:
     if opening is None:
         return gripper.stroke
     if not 0.0 <= opening <= gripper.stroke:
-        raise InputError(
-            f"opening: expected metres from 0 to the stroke {gripper.stroke:g} of gripper {gripper.name!r}, got {opening}"
-        )
+        stroke = f"the stroke {gripper.stroke:g} of gripper {gripper.name!r}"
+        raise InputError(f"opening: expected metres from 0 to {stroke}, got {opening}")
     return float(opening)
 
 
