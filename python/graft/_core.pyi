@@ -13,6 +13,7 @@ __all__ = [
     "descriptor_dim",
     "edge_lengths",
     "feature_costs",
+    "gripper_collisions",
     "oriented_box",
     "part_adjacency",
     "part_geometry",
@@ -276,3 +277,42 @@ def cast_rays(
     origins: NDArray[np.float64],
     directions: NDArray[np.float64],
 ) -> NDArray[np.float64]: ...
+
+# grasp
+
+def gripper_collisions(
+    *,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    points: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    centers: NDArray[np.float64],
+    half_extents: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+    fingers: int,
+    poses: NDArray[np.float64],
+    openings: NDArray[np.float64],
+    margin: float,
+    plane: tuple[float, float, float, float] | None,
+    solid: bool,
+) -> NDArray[np.bool_]:
+    """Say which poses of a gripper touch an object or go below a plane.
+
+    Args:
+        vertices: (v, 3) of a mesh.
+        faces: (f, 3) vertex indices.
+        points: (p, 3) centres of balls.
+        radii: (p,) of the balls.
+        centers: (b, 3) of the gripper's boxes, palm first; those of the finger at +y in its own frame.
+        half_extents: (b, 3).
+        rotations: (b, 3, 3) axes in columns.
+        fingers: How many of the boxes, the last ones, are the finger's.
+        poses: (q, 4, 4) T_object_gripper.
+        openings: (q,) between the pads.
+        margin: By which boxes grow.
+        plane: Unit normal and offset of what lies below.
+        solid: Boxes wholly inside the mesh count too.
+
+    Returns:
+        (q,).
+    """

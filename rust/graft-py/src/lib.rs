@@ -7,6 +7,7 @@ mod convert;
 mod descriptor;
 mod geometry;
 mod graph;
+mod grasp;
 mod render;
 mod retrieve;
 mod transport;
@@ -21,6 +22,8 @@ mod _core {
 
     #[pymodule_export]
     use super::descriptor::{describe_parts, descriptor_dim};
+    #[pymodule_export]
+    use super::grasp::gripper_collisions;
     #[pymodule_export]
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]

@@ -1,0 +1,65 @@
+"""An object's whole surface as the core wants it: one array of vertices, one of faces, and balls for clouds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from graft.checks import Floats, Ints
+from graft.objects import PartObject
+
+BALL_SPACINGS = 1.0
+"""Radius of a cloud point's ball in median distances to the nearest neighbour: balls then overlap into a skin."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A metric object's triangles and balls.
+
+    Attributes:
+        vertices: (v, 3) metres.
+        faces: (f, 3) vertex indices.
+        face_parts: (f,) the part each face belongs to.
+        points: (p, 3) of cloud parts, metres.
+        normals: (p, 3) of those points; zero where unknown.
+        radii: (p,) of their balls, metres.
+        point_parts: (p,) the part each point belongs to.
+    """
+
+    vertices: Floats
+    faces: Ints
+    face_parts: Ints
+    points: Floats
+    normals: Floats
+    radii: Floats
+    point_parts: Ints
+
+
+def surface_of(obj: PartObject) -> Surface:
+    """Join the parts of an object that is already in metres."""
+    meshes = [(i, p) for i, p in enumerate(obj.parts) if not p.is_point_cloud]
+    clouds = [(i, p) for i, p in enumerate(obj.parts) if p.is_point_cloud]
+    offsets = np.cumsum([0, *(len(p.vertices) for _, p in meshes)])
+    no_points, no_numbers = np.empty((0, 3)), np.empty(0, np.int64)
+    return Surface(
+        vertices=np.concatenate([no_points, *(p.vertices for _, p in meshes)]),
+        faces=np.concatenate(
+            [np.empty((0, 3), np.int64), *(p.faces + o for (_, p), o in zip(meshes, offsets[:-1], strict=True))]
+        ),
+        face_parts=np.concatenate([no_numbers, *(np.full(len(p.faces), i) for i, p in meshes)]),
+        points=np.concatenate([no_points, *(p.vertices for _, p in clouds)]),
+        normals=np.concatenate(
+            [no_points, *(np.zeros_like(p.vertices) if p.normals is None else p.normals for _, p in clouds)]
+        ),
+        radii=np.concatenate([np.empty(0), *(np.full(len(p.vertices), _ball_radius(p.vertices)) for _, p in clouds)]),
+        point_parts=np.concatenate([no_numbers, *(np.full(len(p.vertices), i) for i, p in clouds)]),
+    )
+
+
+def _ball_radius(points: Floats) -> float:
+    if len(points) < 2:
+        return 0.0
+    distances, _ = cKDTree(points).query(points, k=2)
+    return BALL_SPACINGS * float(np.median(distances[:, 1]))
