@@ -61,5 +61,6 @@ def surface_of(obj: PartObject) -> Surface:
 def _ball_radius(points: Floats) -> float:
     if len(points) < 2:
         return 0.0
-    distances, _ = cKDTree(points).query(points, k=2)
-    return BALL_SPACINGS * float(np.median(distances[:, 1]))
+    # The nearest point is the point itself.
+    distances, _ = cKDTree(points).query(points, k=[2])
+    return BALL_SPACINGS * float(np.median(distances))
