@@ -132,4 +132,16 @@ impl Collider {
         });
         hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
+
+    /// Visit the corners of every triangle whose bounds may meet a box moved by `pose`.
+    pub fn triangles_near(&self, given: &OrientedBox, pose: &Pose, mut visit: impl FnMut([Vec3; 3])) {
+        let mut placed = pose.place(given);
+        placed.center -= self.origin;
+        self.tree.any(&placed, |index| {
+            if let Some(corners) = self.triangles.get(index) {
+                visit(corners.map(|p| p + self.origin));
+            }
+            false
+        });
+    }
 }
