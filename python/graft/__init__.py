@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         Gripper,
         find_gripper,
         load_grasps,
+        plan_grasps,
         save_grasps,
     )
     from graft.io import (
@@ -87,6 +88,7 @@ _HOMES = {
     "load_object": "graft.io",
     "mark_contact": "graft.marking",
     "match": "graft.library",
+    "plan_grasps": "graft.grasp",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
     "save_grasp_glb": "graft.viz",
@@ -140,6 +142,7 @@ __all__ = [
     "load_object",
     "mark_contact",
     "match",
+    "plan_grasps",
     "save_demonstration",
     "save_glb",
     "save_grasp_glb",

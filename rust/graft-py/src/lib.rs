@@ -23,7 +23,7 @@ mod _core {
     #[pymodule_export]
     use super::descriptor::{describe_parts, descriptor_dim};
     #[pymodule_export]
-    use super::grasp::gripper_collisions;
+    use super::grasp::{antipodal_grasps, gripper_collisions};
     #[pymodule_export]
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]
