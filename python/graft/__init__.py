@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         Gripper,
         find_gripper,
         load_grasps,
+        plan_grasps,
         save_grasps,
     )
     from graft.io import (
@@ -94,6 +95,7 @@ _HOMES = {
     "plan_approach": "graft.motion",
     "plan_motion": "graft.motion",
     "plan_motions": "graft.motion",
+    "plan_grasps": "graft.grasp",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
     "save_grasp_glb": "graft.viz",
@@ -153,6 +155,7 @@ __all__ = [
     "plan_approach",
     "plan_motion",
     "plan_motions",
+    "plan_grasps",
     "save_demonstration",
     "save_glb",
     "save_grasp_glb",

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 __all__ = [
     "__version__",
     "arm_poses",
+    "antipodal_grasps",
     "box_gaps",
     "cast_rays",
     "chamfer_distances",
@@ -297,7 +298,7 @@ def gripper_collisions(
     poses: NDArray[np.float64],
     openings: NDArray[np.float64],
     margin: float,
-    plane: tuple[float, float, float, float] | None,
+    plane: tuple[float, ...] | None,
     solid: bool,
 ) -> NDArray[np.bool_]:
     """Say which poses of a gripper touch an object or go below a plane.
@@ -401,3 +402,51 @@ def clear_arms(
 
 def arm_poses(links: _Links, joints: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return where the links are, (n, l, 4, 4), at joint values (n, j)."""
+def antipodal_grasps(
+    *,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    face_parts: NDArray[np.int64],
+    centers: NDArray[np.float64],
+    half_extents: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+    fingers: int,
+    stroke: float,
+    contact: tuple[float, ...] | None,
+    approach: tuple[float, ...] | None,
+    radius: float,
+    part: int | None,
+    plane: tuple[float, ...] | None,
+    up: tuple[float, ...] | None,
+    weights: tuple[float, ...],
+    depths: NDArray[np.float64],
+    samples: int,
+    rays: int,
+    pairs: int,
+    approaches: int,
+    cone: float,
+    clearance: float,
+    margin: float,
+    travel: float,
+    spacing: float,
+    turn: float,
+    count: int,
+    seed: int,
+) -> tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    tuple[list[str], NDArray[np.float64]],
+    list[tuple[str, int]],
+]:
+    """Find antipodal grasps that a parallel gripper can reach, best first.
+
+    Boxes are those of `gripper_collisions`, parameters those of `graft.grasp.AntipodalPlanner`; `spacing` and `turn`
+    tell grasps apart, `weights` are in the order of the names that come back.
+
+    Returns:
+        Poses (n, 4, 4); widths (n,); scores (n,); contacts (n, 2, 3); distances (n,); names and values (n, t) of the
+        scores' terms; reasons with how many candidates fell for each.
+    """

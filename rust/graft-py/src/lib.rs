@@ -24,7 +24,7 @@ mod _core {
     #[pymodule_export]
     use super::descriptor::{describe_parts, descriptor_dim};
     #[pymodule_export]
-    use super::grasp::gripper_collisions;
+    use super::grasp::{antipodal_grasps, gripper_collisions};
     #[pymodule_export]
     use super::motion::{arm_poses, clear_arms, plan_arms, plan_hands};
     #[pymodule_export]

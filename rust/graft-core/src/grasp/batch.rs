@@ -24,11 +24,11 @@ pub struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// Check indices and radii.
+    /// Check indices and radii, and build the collider.
     ///
     /// # Errors
     /// A face has a vertex that is not there, or radii are too few, negative or not finite.
-    pub fn read(&self) -> Result<(Vec<Vec3>, Vec<[usize; 3]>, Vec<(Vec3, f64)>), Error> {
+    pub fn collider(&self) -> Result<Collider, Error> {
         let vertices = points_of(self.vertices);
         if let Some(&bad) = self.faces.iter().find(|&&v| v < 0 || v as usize >= vertices.len()) {
             return Err(Error::value("faces", format!("indices of {} vertices", vertices.len()), bad));
@@ -39,17 +39,8 @@ impl Surface<'_> {
         if let Some(bad) = self.radii.iter().find(|r| !(r.is_finite() && **r >= 0.0)) {
             return Err(Error::value("radii", "finite numbers of at least 0", bad));
         }
-        let faces = self.faces.chunks_exact(3).map(|f| [f[0] as usize, f[1] as usize, f[2] as usize]).collect();
-        let balls = points_of(self.points).into_iter().zip(self.radii.iter().copied()).collect();
-        Ok((vertices, faces, balls))
-    }
-
-    /// Build the collider.
-    ///
-    /// # Errors
-    /// See [`read`](Self::read).
-    pub fn collider(&self) -> Result<Collider, Error> {
-        let (vertices, faces, balls) = self.read()?;
+        let faces: Vec<[usize; 3]> = self.faces.chunks_exact(3).map(|f| [0, 1, 2].map(|k| f[k] as usize)).collect();
+        let balls: Vec<(Vec3, f64)> = points_of(self.points).into_iter().zip(self.radii.iter().copied()).collect();
         Ok(Collider::with_balls(&vertices, &faces, &balls))
     }
 }

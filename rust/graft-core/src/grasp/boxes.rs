@@ -30,6 +30,30 @@ impl Pose {
         }
     }
 
+    /// Write it as a row-major (4, 4) matrix.
+    #[must_use]
+    pub fn matrix(&self) -> [f64; 16] {
+        let (r, t) = (&self.rotation, &self.translation);
+        [
+            r[(0, 0)],
+            r[(0, 1)],
+            r[(0, 2)],
+            t.x, //
+            r[(1, 0)],
+            r[(1, 1)],
+            r[(1, 2)],
+            t.y, //
+            r[(2, 0)],
+            r[(2, 1)],
+            r[(2, 2)],
+            t.z, //
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+        ]
+    }
+
     /// Move a point.
     #[must_use]
     pub fn apply(&self, point: &Vec3) -> Vec3 {

@@ -3,6 +3,7 @@
 use super::boxes::{Hand, Pose};
 use super::separating::{meets_ball, meets_triangle};
 use super::tree::{Aabb, Tree};
+use crate::geometry::crossing::crossing;
 use crate::geometry::{OrientedBox, Vec3};
 
 /// The direction in which [`Collider::contains`] looks: along no axis, plane or diagonal that people build with.
@@ -86,12 +87,12 @@ impl Collider {
 
     /// Whether a box about the origin of storage touches a triangle or a ball.
     fn meets(&self, placed: &OrientedBox) -> bool {
-        self.tree.any(placed, |index| match self.triangles.get(index) {
-            Some(corners) => meets_triangle(placed, corners),
-            None => {
-                let (center, radius) = &self.balls[index - self.triangles.len()];
-                meets_ball(placed, center, *radius)
+        self.tree.any(placed, |index| {
+            if let Some(corners) = self.triangles.get(index) {
+                return meets_triangle(placed, corners);
             }
+            let (center, radius) = &self.balls[index - self.triangles.len()];
+            meets_ball(placed, center, *radius)
         })
     }
 
@@ -107,7 +108,7 @@ impl Collider {
         let mut winding = 0_i64;
         self.tree.along(point, &look, f64::from(f32::MAX), |index| {
             if let Some(corners) = self.triangles.get(index)
-                && crossing(corners, point, &look).is_some_and(|t| t >= 0.0)
+                && crossing(corners, point, &look).is_some_and(|(t, _)| t >= 0.0)
             {
                 let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
                 winding += if normal.dot(&look) > 0.0 { 1 } else { -1 };
@@ -123,7 +124,7 @@ impl Collider {
         let from = origin - self.origin;
         self.tree.along(&from, direction, longest, |index| {
             if let Some(corners) = self.triangles.get(index)
-                && let Some(t) = crossing(corners, &from, direction)
+                && let Some((t, _)) = crossing(corners, &from, direction)
                 && (0.0..=longest).contains(&t)
             {
                 hits.push((t, index));
@@ -131,26 +132,16 @@ impl Collider {
         });
         hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     }
-}
 
-/// Where a line crosses a triangle, from either side (Möller and Trumbore 1997).
-fn crossing(corners: &[Vec3; 3], origin: &Vec3, direction: &Vec3) -> Option<f64> {
-    let (first, second) = (corners[1] - corners[0], corners[2] - corners[0]);
-    let p = direction.cross(&second);
-    let determinant = first.dot(&p);
-    if determinant == 0.0 {
-        return None;
+    /// Visit the corners of every triangle whose bounds may meet a box moved by `pose`.
+    pub fn triangles_near(&self, given: &OrientedBox, pose: &Pose, mut visit: impl FnMut([Vec3; 3])) {
+        let mut placed = pose.place(given);
+        placed.center -= self.origin;
+        self.tree.any(&placed, |index| {
+            if let Some(corners) = self.triangles.get(index) {
+                visit(corners.map(|p| p + self.origin));
+            }
+            false
+        });
     }
-    let from = origin - corners[0];
-    let u = from.dot(&p) / determinant;
-    if !(0.0..=1.0).contains(&u) {
-        return None;
-    }
-    let q = from.cross(&first);
-    let v = direction.dot(&q) / determinant;
-    if v < 0.0 || u + v > 1.0 {
-        return None;
-    }
-    let t = second.dot(&q) / determinant;
-    t.is_finite().then_some(t)
 }

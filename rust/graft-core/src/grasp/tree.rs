@@ -137,7 +137,7 @@ impl Tree {
         let inverse = direction.map(|x| 1.0 / if x.abs() < f64::from(f32::MIN_POSITIVE) { 1e-30 } else { x });
         let from = [0, 1, 2].map(|k| f32x4::splat(origin[k] as f32));
         let over = [0, 1, 2].map(|k| f32x4::splat(inverse[k] as f32));
-        let magnitude = over.map(|x| x.abs());
+        let magnitude = over.map(f32x4::abs);
         let grown = f32x4::splat(slack as f32);
         let limit = f32x4::splat(longest as f32) * f32x4::splat(1.000_001);
         let mut stack = [0_u32; STACK_SIZE];
