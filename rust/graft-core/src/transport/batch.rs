@@ -99,6 +99,9 @@ const LARGEST_TASK: usize = 512;
 /// Padded sizes: a graph takes the next one up.
 const CLASSES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, lanes::LARGEST];
 
+/// So few pairs are solved sooner one after the other.
+const ALONE: usize = 2;
+
 fn class(n: usize) -> usize {
     CLASSES.partition_point(|&size| size < n)
 }
@@ -185,7 +188,10 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
 
 /// Solve a group in as few lanes as hold it: the width changes no bit.
 fn in_lanes<Few: Vector, Many: Vector>(group: &[(usize, &Input)], options: &Options, run: &Run) -> Outcome {
-    if group.len() <= Few::LANES {
+    let large = |(_, input): &(usize, &Input)| input.source_mass.len().max(input.target_mass.len()) > lanes::LARGEST;
+    if group.len() <= ALONE || group.first().is_some_and(large) {
+        lanes::run_alone::<Few>(group, options, run.history, run.instructions)
+    } else if group.len() <= Few::LANES {
         lanes::run::<Few>(group, options, run.history, run.instructions)
     } else {
         lanes::run::<Many>(group, options, run.history, run.instructions)

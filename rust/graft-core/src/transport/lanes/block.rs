@@ -1,5 +1,8 @@
 //! The arrays of one block: pairs of one padded size side by side, one in each lane.
 
+// As in the kernel.
+#![allow(clippy::inline_always)]
+
 use super::product;
 use super::vector::Vector;
 use crate::transport::problem::Options;
@@ -62,6 +65,9 @@ pub struct Block<V> {
     pub n: usize,
     /// Padded target nodes.
     pub m: usize,
+    // Where the cell of a row and a column is in an n x m array: i down + j across.
+    down: usize,
+    across: usize,
     /// A (n x n).
     pub source: Vec<V>,
     /// B (m x m).
@@ -98,6 +104,8 @@ pub struct Block<V> {
     pub rows: Vec<V>,
     /// nu b (m).
     pub cols: Vec<V>,
+    /// Numbers of the pair that is being loaded.
+    pub loading: Loading,
     /// Logs of the scalings (n, m), and the source's asked shares (n).
     pub log_rows: Vec<V>,
     /// See `log_rows`.
@@ -115,6 +123,8 @@ impl<V: Vector> Block<V> {
         Self {
             n,
             m,
+            down: m,
+            across: 1,
             source: zeros(n * n),
             target: zeros(m * m),
             features: zeros(n * m),
@@ -146,9 +156,51 @@ impl<V: Vector> Block<V> {
             half: zeros((product::ROWS + 1) * m),
             rows: zeros(n),
             cols: zeros(m),
+            loading: Loading::default(),
             log_rows: zeros(n),
             log_cols: zeros(m),
             asked_rows: zeros(n),
+        }
+    }
+
+    /// Allocate with n x m arrays column by column; `half` takes a whole array.
+    #[must_use]
+    pub fn by_columns(n: usize, m: usize) -> Self {
+        let block = Self::new(n, m);
+        Self { down: 1, across: n, half: vec![V::splat(0.0); n * m], ..block }
+    }
+
+    /// Where row i and column j meet in an n x m array.
+    #[inline(always)]
+    #[must_use]
+    pub fn cell(&self, i: usize, j: usize) -> usize {
+        i * self.down + j * self.across
+    }
+}
+
+/// What loading a pair works out by target node on the way.
+#[derive(Debug, Default)]
+pub struct Loading {
+    /// nu where both it and the prior have mass.
+    pub nu: Vec<f64>,
+    /// The prior where both have mass.
+    pub prior: Vec<f64>,
+    /// B nu.
+    pub by_col: Vec<f64>,
+    /// B^2 nu.
+    pub col_squares: Vec<f64>,
+    /// g / eps to start from.
+    pub start_g: Vec<f64>,
+}
+
+impl Loading {
+    /// Zeros for that many target nodes.
+    pub fn clear(&mut self, m: usize) {
+        for numbers in
+            [&mut self.nu, &mut self.prior, &mut self.by_col, &mut self.col_squares, &mut self.start_g]
+        {
+            numbers.clear();
+            numbers.resize(m, 0.0);
         }
     }
 }

@@ -1,7 +1,6 @@
 //! One lane of a block: putting a pair in, judging its step, taking its solution out.
 
-use super::LARGEST;
-use super::block::Block;
+use super::block::{Block, Loading};
 use super::vector::Vector;
 use crate::transport::objective::{Terms, kl_scalar};
 use crate::transport::problem::{Input, Options};
@@ -44,7 +43,9 @@ impl<'a> Lane<'a> {
         let (wide, tall) = (block.m, block.n);
         let (nus, priors) = input.target_masses(options);
         // A node of the target counts where it has mass in both.
-        let (mut nu, mut prior) = ([0.0; LARGEST], [0.0; LARGEST]);
+        let mut loading = std::mem::take(&mut block.loading);
+        loading.clear(wide);
+        let Loading { nu, prior, by_col, col_squares, start_g } = &mut loading;
         for j in (0..m).filter(|&j| nus[j] > 0.0 && priors[j] > 0.0) {
             (nu[j], prior[j]) = (nus[j], priors[j]);
         }
@@ -53,11 +54,10 @@ impl<'a> Lane<'a> {
         put(&mut block.mu, lane, input.source_mass);
         put(&mut block.at.nu, lane, &nu[..m]);
         put(&mut block.prior, lane, &prior[..m]);
-        let (mut by_col, mut col_squares, mut start_g) = ([0.0; LARGEST], [0.0; LARGEST], [0.0; LARGEST]);
         for j in 0..wide {
             let row = if j < m { &input.target[j * m..(j + 1) * m] } else { &[] };
             put(&mut block.target[j * wide..(j + 1) * wide], lane, row);
-            (by_col[j], col_squares[j]) = moments(row, &nu);
+            (by_col[j], col_squares[j]) = moments(row, nu);
             let g = input.start_potential.filter(|_| nu[j] > 0.0).map_or(0.0, |g| g[j]);
             start_g[j] = g / options.eps;
             block.g[j].set(lane, start_g[j]);
@@ -74,25 +74,22 @@ impl<'a> Lane<'a> {
             let mu = if inside { input.source_mass[i] } else { 0.0 };
             let costs = if inside { &input.features[i * m..(i + 1) * m] } else { &[] };
             let starts = input.start.filter(|_| mu > 0.0).map(|start| &start[i * m..(i + 1) * m]);
-            let features = &mut block.features[i * wide..(i + 1) * wide];
-            let plan = &mut block.at.plan[i * wide..(i + 1) * wide];
-            let gradient = &mut block.at.gradient[i * wide..(i + 1) * wide];
-            let before = &mut block.to.gradient[i * wide..(i + 1) * wide];
             let (mut lowest, mut row_sum) = (f64::INFINITY, 0.0);
             for j in 0..wide {
                 let feature = costs.get(j).map_or(0.0, |cost| cost.max(0.0) * feature_rate);
-                features[j].set(lane, feature);
+                let cell = block.cell(i, j);
+                block.features[cell].set(lane, feature);
                 let t = match starts {
                     Some(start) if nu[j] > 0.0 => start[j],
                     Some(_) => 0.0,
                     None if input.start.is_some() => 0.0,
                     None => mu * (nu[j] * scale),
                 };
-                plan[j].set(lane, t);
+                block.at.plan[cell].set(lane, t);
                 row_sum += t;
                 let slope = (row_square * nu_mass + col_squares[j] * mu_mass - 2.0 * by_row * by_col[j]) * scale;
-                gradient[j].set(lane, slope);
-                before[j].set(lane, slope);
+                block.at.gradient[cell].set(lane, slope);
+                block.to.gradient[cell].set(lane, slope);
                 if nu[j] > 0.0 {
                     lowest = lowest.min(structure_rate * slope + feature - start_g[j]);
                 }
@@ -103,7 +100,7 @@ impl<'a> Lane<'a> {
         }
         if input.start.is_some() {
             for j in 0..wide {
-                let sum: f64 = (0..tall).map(|i| block.at.plan[i * wide + j].get(lane)).sum();
+                let sum: f64 = (0..tall).map(|i| block.at.plan[block.cell(i, j)].get(lane)).sum();
                 block.at.v[j].set(lane, sum);
             }
         } else {
@@ -111,6 +108,7 @@ impl<'a> Lane<'a> {
                 block.at.v[j].set(lane, nu[j] * scale * mu_mass);
             }
         }
+        block.loading = loading;
         let top = |x: &[f64]| x.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
         let apart = top(input.source) + top(input.target);
         let (rate, relative) = (options.em_rate.unwrap_or(0.0), options.tau_t + options.eps);
@@ -143,8 +141,8 @@ impl<'a> Lane<'a> {
         let (mut structure, mut feature, mut source, mut mass) = (0.0, 0.0, 0.0, 0.0);
         for i in 0..n {
             for j in 0..m {
-                let t = to.plan[i * block.m + j].get(lane);
-                structure += to.gradient[i * block.m + j].get(lane) * t;
+                let t = to.plan[block.cell(i, j)].get(lane);
+                structure += to.gradient[block.cell(i, j)].get(lane) * t;
                 feature += self.input.features[i * m + j].max(0.0) * t;
             }
             let (u, mu) = (to.u[i].get(lane), self.input.source_mass[i]);
@@ -186,7 +184,7 @@ impl<'a> Lane<'a> {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let mut plan = Vec::with_capacity(n * m);
         for i in 0..n {
-            plan.extend((0..m).map(|j| block.to.plan[i * block.m + j].get(lane)));
+            plan.extend((0..m).map(|j| block.to.plan[block.cell(i, j)].get(lane)));
         }
         // Nodes without mass have no potential.
         let of = |x: &V, mass: &V| if mass.get(lane) > 0.0 { eps * x.get(lane) } else { 0.0 };
@@ -222,9 +220,9 @@ fn moments(row: &[f64], masses: &[f64]) -> (f64, f64) {
 
 /// C_GW at a start plan that need not have rank one.
 fn full_gradient<V: Vector>(block: &mut Block<V>, lane: usize, input: &Input) {
-    let (n, m, wide) = (input.source_mass.len(), input.target_mass.len(), block.m);
+    let (n, m) = (input.source_mass.len(), input.target_mass.len());
     let (a, b) = (input.source, input.target);
-    let plan = |block: &Block<V>, i: usize, j: usize| block.at.plan[i * wide + j].get(lane);
+    let plan = |block: &Block<V>, i: usize, j: usize| block.at.plan[block.cell(i, j)].get(lane);
     for i in 0..n {
         let row: f64 = (0..n).map(|k| a[i * n + k] * a[i * n + k] * block.at.u[k].get(lane)).sum();
         let half: Vec<f64> = (0..m).map(|j| (0..n).map(|k| a[i * n + k] * plan(block, k, j)).sum()).collect();
@@ -232,8 +230,9 @@ fn full_gradient<V: Vector>(block: &mut Block<V>, lane: usize, input: &Input) {
             let col: f64 = (0..m).map(|l| b[j * m + l] * b[j * m + l] * block.at.v[l].get(lane)).sum();
             let product: f64 = half.iter().zip(0..m).map(|(h, l)| h * b[l * m + j]).sum();
             let gradient = row + col - 2.0 * product;
-            block.at.gradient[i * wide + j].set(lane, gradient);
-            block.to.gradient[i * wide + j].set(lane, gradient);
+            let cell = block.cell(i, j);
+            block.at.gradient[cell].set(lane, gradient);
+            block.to.gradient[cell].set(lane, gradient);
         }
     }
 }
