@@ -106,6 +106,11 @@ fn class(n: usize) -> usize {
     CLASSES.partition_point(|&size| size < n)
 }
 
+/// Whether vectors along the nodes are full enough, and pairs side by side would leave the processor's caches.
+fn large(input: &Input) -> bool {
+    input.source_mass.len().max(input.target_mass.len()) > lanes::LARGEST
+}
+
 /// How a batch is to be run.
 #[derive(Debug, Clone, Copy)]
 pub struct Run {
@@ -158,13 +163,15 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
     }
     let tasks = if serial { 1 } else { 4 * rayon::current_num_threads() };
     let length = waiting.len().div_ceil(tasks).clamp(TASK, LARGEST_TASK);
+    // Large pairs are worth a task each.
+    let length_of = |group: &[usize]| if group.first().is_some_and(|&k| large(&inputs[k])) { 1 } else { length };
     let groups = |order: &[usize]| -> Vec<Vec<(usize, &Input)>> {
         let same = |a: &usize, b: &usize| {
             let of = |k: usize| (class(inputs[k].source_mass.len()), class(inputs[k].target_mass.len()));
             of(*a) == of(*b)
         };
         let pairs = |chunk: &[usize]| chunk.iter().map(|&k| (k, &inputs[k])).collect::<Vec<_>>();
-        order.chunk_by(same).flat_map(|group| group.chunks(length)).map(pairs).collect()
+        order.chunk_by(same).flat_map(|group| group.chunks(length_of(group))).map(pairs).collect()
     };
     if run.precision == Precision::F32 && !waiting.is_empty() {
         let task = |group: &Vec<(usize, &Input)>| in_lanes::<F32x16, F32x32>(group, options, run);
@@ -188,8 +195,7 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
 
 /// Solve a group in as few lanes as hold it: the width changes no bit.
 fn in_lanes<Few: Vector, Many: Vector>(group: &[(usize, &Input)], options: &Options, run: &Run) -> Outcome {
-    let large = |(_, input): &(usize, &Input)| input.source_mass.len().max(input.target_mass.len()) > lanes::LARGEST;
-    if group.len() <= ALONE || group.first().is_some_and(large) {
+    if group.len() <= ALONE || group.first().is_some_and(|(_, input)| large(input)) {
         lanes::run_alone::<Few>(group, options, run.history, run.instructions)
     } else if group.len() <= Few::LANES {
         lanes::run::<Few>(group, options, run.history, run.instructions)

@@ -3,6 +3,7 @@
 // As in the kernel.
 #![allow(clippy::inline_always)]
 
+use super::aligned::Aligned;
 use super::product;
 use super::vector::Vector;
 use crate::transport::problem::Options;
@@ -11,20 +12,20 @@ use crate::transport::problem::Options;
 #[derive(Debug)]
 pub struct State<V> {
     /// T (n x m).
-    pub plan: Vec<V>,
+    pub plan: Aligned<V>,
     /// T1 (n).
-    pub u: Vec<V>,
+    pub u: Aligned<V>,
     /// T'1 (m).
-    pub v: Vec<V>,
+    pub v: Aligned<V>,
     /// C_GW(T) (n x m).
-    pub gradient: Vec<V>,
+    pub gradient: Aligned<V>,
     /// nu (m).
-    pub nu: Vec<V>,
+    pub nu: Aligned<V>,
 }
 
 impl<V: Vector> State<V> {
     fn zeros(n: usize, m: usize) -> Self {
-        let zeros = |len: usize| vec![V::splat(0.0); len];
+        let zeros = |len: usize| Aligned::new(V::splat(0.0), len);
         Self { plan: zeros(n * m), u: zeros(n), v: zeros(m), gradient: zeros(n * m), nu: zeros(m) }
     }
 }
@@ -69,25 +70,25 @@ pub struct Block<V> {
     down: usize,
     across: usize,
     /// A (n x n).
-    pub source: Vec<V>,
+    pub source: Aligned<V>,
     /// B (m x m).
-    pub target: Vec<V>,
+    pub target: Aligned<V>,
     /// alpha M / eps (n x m).
-    pub features: Vec<V>,
+    pub features: Aligned<V>,
     /// mu (n).
-    pub mu: Vec<V>,
+    pub mu: Aligned<V>,
     /// delta (m).
-    pub prior: Vec<V>,
+    pub prior: Aligned<V>,
     /// Where the lanes are.
     pub at: State<V>,
     /// Where the last iteration would take them.
     pub to: State<V>,
     /// f / eps (n), absorbed in the kernel.
-    pub f: Vec<V>,
+    pub f: Aligned<V>,
     /// g / eps (m).
-    pub g: Vec<V>,
+    pub g: Aligned<V>,
     /// exp(-g / tau_t) up to a factor (m): the share of nu that its price asks for.
-    pub asked: Vec<V>,
+    pub asked: Aligned<V>,
     /// Log of that factor.
     pub asked_log: V,
     /// 1 / c of the M-step, see [`crate::transport::objective::Objective::update_target`].
@@ -97,21 +98,21 @@ pub struct Block<V> {
     /// The last iteration's report.
     pub report: Report<V>,
     /// exp((f + g - C) / eps) (n x m).
-    pub kernel: Vec<V>,
+    pub kernel: Aligned<V>,
     /// Some rows of A T, and B^2 v.
-    pub half: Vec<V>,
+    pub half: Aligned<V>,
     /// mu a (n).
-    pub rows: Vec<V>,
+    pub rows: Aligned<V>,
     /// nu b (m).
-    pub cols: Vec<V>,
+    pub cols: Aligned<V>,
     /// Numbers of the pair that is being loaded.
     pub loading: Loading,
     /// Logs of the scalings (n, m), and the source's asked shares (n).
-    pub log_rows: Vec<V>,
+    pub log_rows: Aligned<V>,
     /// See `log_rows`.
-    pub log_cols: Vec<V>,
+    pub log_cols: Aligned<V>,
     /// See `log_rows`.
-    pub asked_rows: Vec<V>,
+    pub asked_rows: Aligned<V>,
 }
 
 impl<V: Vector> Block<V> {
@@ -119,7 +120,7 @@ impl<V: Vector> Block<V> {
     #[must_use]
     pub fn new(n: usize, m: usize) -> Self {
         let zero = V::splat(0.0);
-        let zeros = |len: usize| vec![zero; len];
+        let zeros = |len: usize| Aligned::new(zero, len);
         Self {
             n,
             m,
@@ -167,7 +168,7 @@ impl<V: Vector> Block<V> {
     #[must_use]
     pub fn by_columns(n: usize, m: usize) -> Self {
         let block = Self::new(n, m);
-        Self { down: 1, across: n, half: vec![V::splat(0.0); n * m], ..block }
+        Self { down: 1, across: n, half: Aligned::new(V::splat(0.0), n * m), ..block }
     }
 
     /// Where row i and column j meet in an n x m array.
@@ -187,8 +188,8 @@ pub struct Loading {
     pub prior: Vec<f64>,
     /// B nu.
     pub by_col: Vec<f64>,
-    /// B^2 nu.
-    pub col_squares: Vec<f64>,
+    /// What B^2 nu adds to a column of the first gradient.
+    pub col_part: Vec<f64>,
     /// g / eps to start from.
     pub start_g: Vec<f64>,
 }
@@ -197,7 +198,7 @@ impl Loading {
     /// Zeros for that many target nodes.
     pub fn clear(&mut self, m: usize) {
         for numbers in
-            [&mut self.nu, &mut self.prior, &mut self.by_col, &mut self.col_squares, &mut self.start_g]
+            [&mut self.nu, &mut self.prior, &mut self.by_col, &mut self.col_part, &mut self.start_g]
         {
             numbers.clear();
             numbers.resize(m, 0.0);

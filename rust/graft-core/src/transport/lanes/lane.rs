@@ -45,7 +45,7 @@ impl<'a> Lane<'a> {
         // A node of the target counts where it has mass in both.
         let mut loading = std::mem::take(&mut block.loading);
         loading.clear(wide);
-        let Loading { nu, prior, by_col, col_squares, start_g } = &mut loading;
+        let Loading { nu, prior, by_col, col_part, start_g } = &mut loading;
         for j in (0..m).filter(|&j| nus[j] > 0.0 && priors[j] > 0.0) {
             (nu[j], prior[j]) = (nus[j], priors[j]);
         }
@@ -57,7 +57,8 @@ impl<'a> Lane<'a> {
         for j in 0..wide {
             let row = if j < m { &input.target[j * m..(j + 1) * m] } else { &[] };
             put(&mut block.target[j * wide..(j + 1) * wide], lane, row);
-            (by_col[j], col_squares[j]) = moments(row, nu);
+            let (sum, squares) = moments(row, nu);
+            (by_col[j], col_part[j]) = (sum, squares * mu_mass * scale);
             let g = input.start_potential.filter(|_| nu[j] > 0.0).map_or(0.0, |g| g[j]);
             start_g[j] = g / options.eps;
             block.g[j].set(lane, start_g[j]);
@@ -67,27 +68,26 @@ impl<'a> Lane<'a> {
         block.relax.set(lane, 0.0);
         let (feature_rate, structure_rate) = (options.alpha / options.eps, (1.0 - options.alpha) / options.eps);
         for i in 0..tall {
-            let inside = i < n;
-            let row = if inside { &input.source[i * n..(i + 1) * n] } else { &[] };
+            let row = if i < n { &input.source[i * n..(i + 1) * n] } else { &[] };
             put(&mut block.source[i * tall..(i + 1) * tall], lane, row);
-            let (by_row, row_square) = moments(row, input.source_mass);
-            let mu = if inside { input.source_mass[i] } else { 0.0 };
-            let costs = if inside { &input.features[i * m..(i + 1) * m] } else { &[] };
-            let starts = input.start.filter(|_| mu > 0.0).map(|start| &start[i * m..(i + 1) * m]);
+            let mu = if i < n { input.source_mass[i] } else { 0.0 };
+            let costs = if i < n { &input.features[i * m..(i + 1) * m] } else { &[] };
+            let start = input.start.filter(|_| mu > 0.0).map_or(&[][..], |start| &start[i * m..(i + 1) * m]);
+            let (by_row, row_squares) = moments(row, input.source_mass);
+            let (by_row, row_part) = (2.0 * by_row * scale, row_squares * nu_mass * scale);
+            let product = if input.start.is_some() { 0.0 } else { mu * scale };
             let (mut lowest, mut row_sum) = (f64::INFINITY, 0.0);
             for j in 0..wide {
-                let feature = costs.get(j).map_or(0.0, |cost| cost.max(0.0) * feature_rate);
+                let feature = if j < costs.len() { costs[j].max(0.0) * feature_rate } else { 0.0 };
+                let mut t = product * nu[j];
+                if j < start.len() && nu[j] > 0.0 {
+                    t = start[j];
+                }
+                row_sum += t;
+                let slope = row_part + col_part[j] - by_row * by_col[j];
                 let cell = block.cell(i, j);
                 block.features[cell].set(lane, feature);
-                let t = match starts {
-                    Some(start) if nu[j] > 0.0 => start[j],
-                    Some(_) => 0.0,
-                    None if input.start.is_some() => 0.0,
-                    None => mu * (nu[j] * scale),
-                };
                 block.at.plan[cell].set(lane, t);
-                row_sum += t;
-                let slope = (row_square * nu_mass + col_squares[j] * mu_mass - 2.0 * by_row * by_col[j]) * scale;
                 block.at.gradient[cell].set(lane, slope);
                 block.to.gradient[cell].set(lane, slope);
                 if nu[j] > 0.0 {
@@ -140,11 +140,17 @@ impl<'a> Lane<'a> {
         let to = &block.to;
         let (mut structure, mut feature, mut source, mut mass) = (0.0, 0.0, 0.0, 0.0);
         for i in 0..n {
-            for j in 0..m {
-                let t = to.plan[block.cell(i, j)].get(lane);
-                structure += to.gradient[block.cell(i, j)].get(lane) * t;
-                feature += self.input.features[i * m + j].max(0.0) * t;
+            // By rows, so that one row's sums need not wait for the last's.
+            let (mut row_structure, mut row_feature) = (0.0, 0.0);
+            let features = &self.input.features[i * m..(i + 1) * m];
+            for (j, cost) in features.iter().enumerate() {
+                let cell = block.cell(i, j);
+                let t = to.plan[cell].get(lane);
+                row_structure += to.gradient[cell].get(lane) * t;
+                row_feature += cost.max(0.0) * t;
             }
+            structure += row_structure;
+            feature += row_feature;
             let (u, mu) = (to.u[i].get(lane), self.input.source_mass[i]);
             mass += u;
             source += if mu > 0.0 { kl_scalar(u, mu) } else { 0.0 };
@@ -191,8 +197,8 @@ impl<'a> Lane<'a> {
         Solution {
             plan,
             target_mass: block.to.nu[..m].iter().map(|nu| nu.get(lane)).collect(),
-            source_potential: block.f[..n].iter().zip(&block.mu).map(|(f, mu)| of(f, mu)).collect(),
-            target_potential: block.g[..m].iter().zip(&block.at.nu).map(|(g, nu)| of(g, nu)).collect(),
+            source_potential: block.f[..n].iter().zip(&block.mu[..]).map(|(f, mu)| of(f, mu)).collect(),
+            target_potential: block.g[..m].iter().zip(&block.at.nu[..]).map(|(g, nu)| of(g, nu)).collect(),
             terms,
             history: self.history.clone(),
             iterations: self.iterations,

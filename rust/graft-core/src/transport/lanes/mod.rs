@@ -7,6 +7,7 @@
 //! [`vector`] has the arithmetic, [`block`] the arrays, [`kernel`] one iteration and [`product`] its matrix products, [`dispatch`] compiles it for
 //! several instruction sets, [`lane`] puts pairs in and takes solutions out, [`judge`] decides about steps.
 
+pub mod aligned;
 pub mod block;
 pub mod dispatch;
 pub mod judge;
@@ -120,8 +121,8 @@ pub fn run_alone<V: Vector>(
     with: Instructions,
 ) -> (Vec<(usize, Solution)>, Vec<usize>) {
     let (mut solved, mut rejected) = (Vec::with_capacity(pairs.len()), Vec::new());
+    let mut single = Single::<V>::default();
     for (index, input) in pairs {
-        let mut single = Single::<V>::new(input.source_mass.len(), input.target_mass.len());
         match single.solve(input, options, history, with) {
             Some(solution) => solved.push((*index, solution)),
             None => rejected.push(*index),

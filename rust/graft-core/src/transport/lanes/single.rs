@@ -6,6 +6,7 @@
 // As in the kernel.
 #![allow(clippy::inline_always)]
 
+use super::aligned::Aligned;
 use super::block::{Block, Rates, Report};
 use super::dispatch::{self, Instructions, Kernel};
 use super::judge::{Verdict, judge};
@@ -18,32 +19,33 @@ use crate::transport::ufgw::Solution;
 /// Rows of a product that are summed together, and vectors of columns.
 const ROWS: usize = 4;
 
-/// Vectors that a weighted sum of rows makes at once.
-const WIDE: usize = 4;
-
 /// Arrays for one pair at a time, kept for the next of the same padded size.
 #[derive(Debug)]
 pub struct Single<V: Vector> {
     block: Block<V::One>,
     // exp((f + g - C) / eps) row by row.
-    by_row: Vec<V::One>,
+    by_row: Aligned<V::One>,
     // A node's number in every sum over nodes.
-    terms: Vec<V::One>,
+    terms: Aligned<V::One>,
     // Nodes before padding.
     n: usize,
     m: usize,
 }
 
+impl<V: Vector> Default for Single<V> {
+    fn default() -> Self {
+        Self::new(0, 0)
+    }
+}
+
 impl<V: Vector> Single<V> {
-    /// Allocate for pairs of n x m nodes.
-    #[must_use]
-    pub fn new(n: usize, m: usize) -> Self {
+    fn new(n: usize, m: usize) -> Self {
         let (wide, tall) = (n.next_multiple_of(V::LANES), m.next_multiple_of(V::LANES));
         let zero = V::One::splat(0.0);
         Self {
             block: Block::by_columns(wide, tall),
-            by_row: vec![zero; wide * tall],
-            terms: vec![zero; wide.max(tall)],
+            by_row: Aligned::new(zero, wide * tall),
+            terms: Aligned::new(zero, wide.max(tall)),
             n,
             m,
         }
@@ -51,6 +53,10 @@ impl<V: Vector> Single<V> {
 
     /// Solve a checked pair; None if it is out of range.
     pub fn solve(&mut self, input: &Input, options: &Options, history: bool, with: Instructions) -> Option<Solution> {
+        let (n, m) = (input.source_mass.len(), input.target_mass.len());
+        if (n, m) != (self.n, self.m) {
+            *self = Self::new(n, m);
+        }
         let rates = Rates::new(options);
         let mut pair = Lane::load(&mut self.block, 0, 0, input, options, history);
         loop {
@@ -103,12 +109,13 @@ fn absorb<V: Vector>(single: &mut Single<V>, rates: &Rates) {
         }
     }
     // By blocks, so that what is read and what is written stays in the cache.
+    let (kernel, by_row) = (&block.kernel[..], &mut single.by_row[..]);
     let mut from = 0;
     while from < single.m {
         let to = (from + V::LANES).min(single.m);
         for i in 0..single.n {
             for j in from..to {
-                single.by_row[i * tall + j] = block.kernel[j * wide + i];
+                by_row[i * tall + j] = kernel[j * wide + i];
             }
         }
         from = to;
@@ -116,27 +123,31 @@ fn absorb<V: Vector>(single: &mut Single<V>, rates: &Rates) {
 }
 
 /// out = sum_k weights_k matrix_k over the first `count` rows of a matrix as wide as `out`.
+///
+/// Sums have names because LLVM shuffles an array of them here.
 #[inline(always)]
 fn weighted<V: Vector>(matrix: &[V::One], weights: &[V::One], out: &mut [V::One], count: usize) {
-    let width = out.len();
+    let (width, zero) = (out.len(), V::splat(0.0));
     let mut at = 0;
-    while at + WIDE * V::LANES <= width {
-        let mut sums = [V::splat(0.0); WIDE];
+    while at + 4 * V::LANES <= width {
+        let (mut s0, mut s1, mut s2, mut s3) = (zero, zero, zero, zero);
         for k in 0..count {
             apart();
             let weight = V::splat(weights[k].get(0));
-            let row = &matrix[k * width + at..k * width + at + WIDE * V::LANES];
-            for c in 0..WIDE {
-                sums[c] = sums[c] + V::load(&row[c * V::LANES..]) * weight;
-            }
+            let row = &matrix[k * width + at..k * width + at + 4 * V::LANES];
+            s0 = s0 + V::load(row) * weight;
+            s1 = s1 + V::load(&row[V::LANES..]) * weight;
+            s2 = s2 + V::load(&row[2 * V::LANES..]) * weight;
+            s3 = s3 + V::load(&row[3 * V::LANES..]) * weight;
         }
-        for c in 0..WIDE {
-            sums[c].store(&mut out[at + c * V::LANES..]);
-        }
-        at += WIDE * V::LANES;
+        s0.store(&mut out[at..]);
+        s1.store(&mut out[at + V::LANES..]);
+        s2.store(&mut out[at + 2 * V::LANES..]);
+        s3.store(&mut out[at + 3 * V::LANES..]);
+        at += 4 * V::LANES;
     }
     while at < width {
-        let mut sum = V::splat(0.0);
+        let mut sum = zero;
         for k in 0..count {
             apart();
             sum = sum + V::load(&matrix[k * width + at..]) * V::splat(weights[k].get(0));
@@ -248,22 +259,28 @@ fn entries<V: Vector>(single: &mut Single<V>, rates: &Rates, scale: V) -> Sums<V
     let (structure, momentum) = (V::splat(rates.structure), V::splat(rates.momentum));
     let (zero, none) = (V::splat(0.0), V::One::splat(0.0));
     let mut sums = Sums { moved: none, momentum_gain: none, cost: none };
+    let len = single.m * wide;
+    let (kernel, features) = (&block.kernel[..len], &block.features[..len]);
+    let (from, gradient) = (&block.at.plan[..len], &block.at.gradient[..len]);
+    let (to, before) = (&mut block.to.plan[..len], &block.to.gradient[..len]);
+    let cols = &block.cols[..single.m];
     let mut i = 0;
     while i < wide {
         let row = V::load(&block.rows[i..]) * scale;
         let (mut sum, mut moved, mut gain, mut cost) = (zero, zero, zero, zero);
-        for j in 0..single.m {
+        let mut at = i;
+        for col in cols {
             apart();
-            let at = j * wide + i;
-            let t = row * V::load(&block.kernel[at..]) * V::splat(block.cols[j].get(0));
-            let step = t - V::load(&block.at.plan[at..]);
-            let slope = V::load(&block.at.gradient[at..]);
-            let ahead = momentum * (slope - V::load(&block.to.gradient[at..]));
+            let t = row * V::load(&kernel[at..]) * V::splat(col.get(0));
+            let step = t - V::load(&from[at..]);
+            let slope = V::load(&gradient[at..]);
+            let ahead = momentum * (slope - V::load(&before[at..]));
             moved = moved + step.abs();
             gain = gain + ahead * step;
-            cost = cost + t * (structure * slope + ahead + V::load(&block.features[at..]));
+            cost = cost + t * (structure * slope + ahead + V::load(&features[at..]));
             sum = sum + t;
-            t.store(&mut block.to.plan[at..]);
+            t.store(&mut to[at..]);
+            at += wide;
         }
         sum.store(&mut block.to.u[i..]);
         for k in 0..V::LANES.min(single.n - i) {
@@ -336,9 +353,10 @@ fn gradient<V: Vector>(single: &mut Single<V>) {
     // The cells of `half` are free again: its first column takes the rows' part.
     let row_part = &mut block.half[..wide];
     squares::<V>(&block.source, &block.to.u, row_part, n);
+    let gradient = &mut block.to.gradient[..m * wide];
     for j in 0..m {
         let col = V::splat(terms[j].get(0));
-        let column = &mut block.to.gradient[j * wide..(j + 1) * wide];
+        let column = &mut gradient[j * wide..(j + 1) * wide];
         let mut i = 0;
         while i < wide {
             apart();
@@ -404,14 +422,15 @@ fn tile<V: Vector, const R: usize, const C: usize>(
     inner: usize,
     width: usize,
 ) {
+    let rows: [&[V::One]; R] = std::array::from_fn(|r| &x[r * stride..r * stride + inner]);
     let mut sums = [[V::splat(0.0); C]; R];
     for l in 0..inner {
         apart();
-        let row = &y[l * width..];
-        for c in 0..C {
-            let y = V::load(&row[c * V::LANES..]);
-            for r in 0..R {
-                sums[r][c] = sums[r][c] + V::splat(x[r * stride + l].get(0)) * y;
+        let y = &y[l * width..l * width + C * V::LANES];
+        for r in 0..R {
+            let x = V::splat(rows[r][l].get(0));
+            for c in 0..C {
+                sums[r][c] = sums[r][c] + x * V::load(&y[c * V::LANES..]);
             }
         }
     }
@@ -427,15 +446,19 @@ fn tile<V: Vector, const R: usize, const C: usize>(
 fn curvature<V: Vector>(single: &mut Single<V>) {
     let block = &mut single.block;
     let wide = block.n;
+    let len = single.m * wide;
+    let (g0, g1) = (&block.at.gradient[..len], &block.to.gradient[..len]);
+    let (t0, t1) = (&block.at.plan[..len], &block.to.plan[..len]);
     let mut total = V::One::splat(0.0);
     let mut i = 0;
     while i < wide {
         let mut sum = V::splat(0.0);
-        for j in 0..single.m {
+        let mut at = i;
+        while at < len {
             apart();
-            let at = j * wide + i;
-            let slope = V::load(&block.to.gradient[at..]) - V::load(&block.at.gradient[at..]);
-            sum = sum + slope * (V::load(&block.to.plan[at..]) - V::load(&block.at.plan[at..]));
+            let slope = V::load(&g1[at..]) - V::load(&g0[at..]);
+            sum = sum + slope * (V::load(&t1[at..]) - V::load(&t0[at..]));
+            at += wide;
         }
         for k in 0..V::LANES.min(single.n - i) {
             total = total + V::One::splat(sum.get(k));
