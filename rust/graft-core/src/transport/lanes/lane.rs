@@ -1,6 +1,6 @@
 //! One lane of a block: putting a pair in, judging its step, taking its solution out.
 
-use super::block::{Block, Loading};
+use super::block::{Block, Loading, Row};
 use super::vector::Vector;
 use crate::transport::objective::{Terms, kl_scalar};
 use crate::transport::problem::{Input, Options};
@@ -44,8 +44,8 @@ impl<'a> Lane<'a> {
         let (nus, priors) = input.target_masses(options);
         // A node of the target counts where it has mass in both.
         let mut loading = std::mem::take(&mut block.loading);
-        loading.clear(wide);
-        let Loading { nu, prior, by_col, col_part, start_g } = &mut loading;
+        loading.clear(tall, wide);
+        let Loading { nu, prior, by_col, col_part, start_g, rows } = &mut loading;
         for j in (0..m).filter(|&j| nus[j] > 0.0 && priors[j] > 0.0) {
             (nu[j], prior[j]) = (nus[j], priors[j]);
         }
@@ -70,33 +70,38 @@ impl<'a> Lane<'a> {
         for i in 0..tall {
             let row = if i < n { &input.source[i * n..(i + 1) * n] } else { &[] };
             put(&mut block.source[i * tall..(i + 1) * tall], lane, row);
-            let mu = if i < n { input.source_mass[i] } else { 0.0 };
-            let costs = if i < n { &input.features[i * m..(i + 1) * m] } else { &[] };
-            let start = input.start.filter(|_| mu > 0.0).map_or(&[][..], |start| &start[i * m..(i + 1) * m]);
-            let (by_row, row_squares) = moments(row, input.source_mass);
-            let (by_row, row_part) = (2.0 * by_row * scale, row_squares * nu_mass * scale);
-            let product = if input.start.is_some() { 0.0 } else { mu * scale };
-            let (mut lowest, mut row_sum) = (f64::INFINITY, 0.0);
-            for j in 0..wide {
-                let feature = if j < costs.len() { costs[j].max(0.0) * feature_rate } else { 0.0 };
-                let mut t = product * nu[j];
-                if j < start.len() && nu[j] > 0.0 {
-                    t = start[j];
-                }
-                row_sum += t;
-                let slope = row_part + col_part[j] - by_row * by_col[j];
+            let (sum, squares) = moments(row, input.source_mass);
+            rows[i] = Row {
+                mu: if i < n { input.source_mass[i] } else { 0.0 },
+                by_row: 2.0 * sum * scale,
+                part: squares * nu_mass * scale,
+                // The kernel's largest entry of every row is 1.
+                lowest: f64::INFINITY,
+                sum: 0.0,
+            };
+        }
+        for j in 0..wide {
+            let (nu, g) = (nu[j], start_g[j]);
+            let product = if input.start.is_some() { 0.0 } else { nu * scale };
+            let costs = input.features.get(j..).filter(|_| j < m).unwrap_or_default();
+            let start = input.start.filter(|_| j < m && nu > 0.0).map_or(&[][..], |start| &start[j..]);
+            for (i, row) in rows.iter_mut().enumerate() {
+                let feature = costs.get(i * m).map_or(0.0, |cost| cost.max(0.0) * feature_rate);
+                let t = start.get(i * m).filter(|_| row.mu > 0.0).map_or(row.mu * product, |start| *start);
+                row.sum += t;
+                let slope = row.part + col_part[j] - row.by_row * by_col[j];
                 let cell = block.cell(i, j);
                 block.features[cell].set(lane, feature);
                 block.at.plan[cell].set(lane, t);
                 block.at.gradient[cell].set(lane, slope);
                 block.to.gradient[cell].set(lane, slope);
-                if nu[j] > 0.0 {
-                    lowest = lowest.min(structure_rate * slope + feature - start_g[j]);
-                }
+                let cost = structure_rate * slope + feature - g;
+                row.lowest = if nu > 0.0 && cost < row.lowest { cost } else { row.lowest };
             }
-            block.at.u[i].set(lane, row_sum);
-            // The kernel's largest entry of every row is 1.
-            block.f[i].set(lane, lowest);
+        }
+        for (i, row) in rows.iter().enumerate() {
+            block.at.u[i].set(lane, row.sum);
+            block.f[i].set(lane, row.lowest);
         }
         if input.start.is_some() {
             for j in 0..wide {
@@ -109,8 +114,7 @@ impl<'a> Lane<'a> {
             }
         }
         block.loading = loading;
-        let top = |x: &[f64]| x.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
-        let apart = top(input.source) + top(input.target);
+        let apart = largest(input.source) + largest(input.target);
         let (rate, relative) = (options.em_rate.unwrap_or(0.0), options.tau_t + options.eps);
         block.em_scale.set(lane, 1.0 / (rate * (options.tau_t + options.eps * mu_mass) / relative + 1.0 - rate));
         if input.start.is_some() {
@@ -219,9 +223,36 @@ fn put<V: Vector>(out: &mut [V], lane: usize, numbers: &[f64]) {
     }
 }
 
-/// Sums of a structure's row and of its squares over the nodes' masses.
+/// Sums of a structure's row and of its squares over the nodes' masses, four at a time.
 fn moments(row: &[f64], masses: &[f64]) -> (f64, f64) {
-    row.iter().zip(masses).fold((0.0, 0.0), |(sum, square), (a, mass)| (sum + a * mass, square + a * a * mass))
+    let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
+    let (fours, last) = row.as_chunks::<4>();
+    let (four_masses, last_masses) = masses[..row.len()].as_chunks::<4>();
+    for (row, masses) in fours.iter().zip(four_masses) {
+        for k in 0..4 {
+            sums[k] += row[k] * masses[k];
+            squares[k] += row[k] * row[k] * masses[k];
+        }
+    }
+    for (k, (a, mass)) in last.iter().zip(last_masses).enumerate() {
+        sums[k] += a * mass;
+        squares[k] += a * a * mass;
+    }
+    let total = |x: [f64; 4]| (x[0] + x[1]) + (x[2] + x[3]);
+    (total(sums), total(squares))
+}
+
+/// Largest absolute value, four at a time.
+fn largest(x: &[f64]) -> f64 {
+    let (fours, last) = x.as_chunks::<4>();
+    let mut tops = [0.0_f64; 4];
+    let larger = |top: f64, x: f64| if x.abs() > top { x.abs() } else { top };
+    for four in fours {
+        for k in 0..4 {
+            tops[k] = larger(tops[k], four[k]);
+        }
+    }
+    last.iter().chain(&tops).fold(0.0, |top, x| larger(top, *x))
 }
 
 /// C_GW at a start plan that need not have rank one.
