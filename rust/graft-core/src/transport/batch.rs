@@ -136,6 +136,9 @@ pub fn solve_batch(inputs: &[Input], options: &Options, run: &Run) -> Result<Vec
         }
         return solve_all(inputs, options, run, false);
     }
+    if run.threads == rayon::current_num_threads() {
+        return solve_all(inputs, options, run, false);
+    }
     match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
         Ok(pool) => pool.install(|| solve_all(inputs, options, run, false)),
         // The system gave no threads: slower, the same answers.

@@ -177,9 +177,15 @@ impl<V: Vector> Block<V> {
     pub fn cell(&self, i: usize, j: usize) -> usize {
         i * self.down + j * self.across
     }
+
+    /// How far apart the rows and the columns of an n x m array are.
+    #[must_use]
+    pub fn strides(&self) -> (usize, usize) {
+        (self.down, self.across)
+    }
 }
 
-/// What loading a pair works out by node on the way.
+/// What loading a pair works out by target node on the way.
 #[derive(Debug, Default)]
 pub struct Loading {
     /// nu where both it and the prior have mass.
@@ -192,30 +198,11 @@ pub struct Loading {
     pub col_part: Vec<f64>,
     /// g / eps to start from.
     pub start_g: Vec<f64>,
-    /// By source node.
-    pub rows: Vec<Row>,
-}
-
-/// What loading a pair works out for a source node.
-#[derive(Debug, Default, Clone, Copy)]
-pub struct Row {
-    /// Its mass.
-    pub mu: f64,
-    /// What (A mu)_i takes from the first gradient, by (B nu)_j.
-    pub by_row: f64,
-    /// What (A^2 mu)_i adds to it.
-    pub part: f64,
-    /// Least cost of the row, g taken off.
-    pub lowest: f64,
-    /// Row sum of the plan.
-    pub sum: f64,
 }
 
 impl Loading {
-    /// Zeros for n x m nodes.
-    pub fn clear(&mut self, n: usize, m: usize) {
-        self.rows.clear();
-        self.rows.resize(n, Row::default());
+    /// Zeros for that many target nodes.
+    pub fn clear(&mut self, m: usize) {
         for numbers in [&mut self.nu, &mut self.prior, &mut self.by_col, &mut self.col_part, &mut self.start_g] {
             numbers.clear();
             numbers.resize(m, 0.0);

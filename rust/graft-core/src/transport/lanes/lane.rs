@@ -1,6 +1,6 @@
 //! One lane of a block: putting a pair in, judging its step, taking its solution out.
 
-use super::block::{Block, Loading, Row};
+use super::block::{Block, Loading};
 use super::vector::Vector;
 use crate::transport::objective::{Terms, kl_scalar};
 use crate::transport::problem::{Input, Options};
@@ -44,8 +44,8 @@ impl<'a> Lane<'a> {
         let (nus, priors) = input.target_masses(options);
         // A node of the target counts where it has mass in both.
         let mut loading = std::mem::take(&mut block.loading);
-        loading.clear(tall, wide);
-        let Loading { nu, prior, by_col, col_part, start_g, rows } = &mut loading;
+        loading.clear(wide);
+        let Loading { nu, prior, by_col, col_part, start_g } = &mut loading;
         for j in (0..m).filter(|&j| nus[j] > 0.0 && priors[j] > 0.0) {
             (nu[j], prior[j]) = (nus[j], priors[j]);
         }
@@ -67,41 +67,37 @@ impl<'a> Lane<'a> {
         block.asked_log.set(lane, 0.0);
         block.relax.set(lane, 0.0);
         let (feature_rate, structure_rate) = (options.alpha / options.eps, (1.0 - options.alpha) / options.eps);
+        let (down, across) = block.strides();
+        // Slices of their own: through the block the compiler would look every array up again after every store.
+        let (features, plan) = (&mut block.features[..], &mut block.at.plan[..]);
+        let (gradient, before) = (&mut block.at.gradient[..], &mut block.to.gradient[..]);
+        let (nu, start_g, by_col, col_part) = (&nu[..wide], &start_g[..wide], &by_col[..wide], &col_part[..wide]);
         for i in 0..tall {
             let row = if i < n { &input.source[i * n..(i + 1) * n] } else { &[] };
             put(&mut block.source[i * tall..(i + 1) * tall], lane, row);
-            let (sum, squares) = moments(row, input.source_mass);
-            rows[i] = Row {
-                mu: if i < n { input.source_mass[i] } else { 0.0 },
-                by_row: 2.0 * sum * scale,
-                part: squares * nu_mass * scale,
-                // The kernel's largest entry of every row is 1.
-                lowest: f64::INFINITY,
-                sum: 0.0,
-            };
-        }
-        for j in 0..wide {
-            let (nu, g) = (nu[j], start_g[j]);
-            let product = if input.start.is_some() { 0.0 } else { nu * scale };
-            let costs = input.features.get(j..).filter(|_| j < m).unwrap_or_default();
-            let start = input.start.filter(|_| j < m && nu > 0.0).map_or(&[][..], |start| &start[j..]);
-            for (i, row) in rows.iter_mut().enumerate() {
-                let feature = costs.get(i * m).map_or(0.0, |cost| cost.max(0.0) * feature_rate);
-                let t = start.get(i * m).filter(|_| row.mu > 0.0).map_or(row.mu * product, |start| *start);
-                row.sum += t;
-                let slope = row.part + col_part[j] - row.by_row * by_col[j];
-                let cell = block.cell(i, j);
-                block.features[cell].set(lane, feature);
-                block.at.plan[cell].set(lane, t);
-                block.at.gradient[cell].set(lane, slope);
-                block.to.gradient[cell].set(lane, slope);
-                let cost = structure_rate * slope + feature - g;
-                row.lowest = if nu > 0.0 && cost < row.lowest { cost } else { row.lowest };
+            let (by_row, squares) = moments(row, input.source_mass);
+            let (by_row, row_part) = (2.0 * by_row * scale, squares * nu_mass * scale);
+            let mu = if i < n { input.source_mass[i] } else { 0.0 };
+            let costs = if i < n { &input.features[i * m..(i + 1) * m] } else { &[] };
+            let start = input.start.filter(|_| mu > 0.0).map_or(&[][..], |start| &start[i * m..(i + 1) * m]);
+            let product = if input.start.is_some() { 0.0 } else { mu * scale };
+            let (mut lowest, mut sum) = (f64::INFINITY, 0.0);
+            for j in 0..wide {
+                let feature = if j < costs.len() { costs[j].max(0.0) * feature_rate } else { 0.0 };
+                let t = if j < start.len() && nu[j] > 0.0 { start[j] } else { product * nu[j] };
+                sum += t;
+                let slope = row_part + col_part[j] - by_row * by_col[j];
+                let cell = i * down + j * across;
+                features[cell].set(lane, feature);
+                plan[cell].set(lane, t);
+                gradient[cell].set(lane, slope);
+                before[cell].set(lane, slope);
+                let cost = structure_rate * slope + feature - start_g[j];
+                lowest = if nu[j] > 0.0 && cost < lowest { cost } else { lowest };
             }
-        }
-        for (i, row) in rows.iter().enumerate() {
-            block.at.u[i].set(lane, row.sum);
-            block.f[i].set(lane, row.lowest);
+            block.at.u[i].set(lane, sum);
+            // The kernel's largest entry of every row is 1.
+            block.f[i].set(lane, lowest);
         }
         if input.start.is_some() {
             for j in 0..wide {
@@ -142,6 +138,7 @@ impl<'a> Lane<'a> {
     pub fn terms<V: Vector>(&self, block: &Block<V>, lane: usize, options: &Options, sum_t_log: f64) -> Terms {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let to = &block.to;
+        let (plan, gradient) = (&to.plan[..], &to.gradient[..]);
         let (mut structure, mut feature, mut source, mut mass) = (0.0, 0.0, 0.0, 0.0);
         for i in 0..n {
             // By rows, so that one row's sums need not wait for the last's.
@@ -149,8 +146,8 @@ impl<'a> Lane<'a> {
             let features = &self.input.features[i * m..(i + 1) * m];
             for (j, cost) in features.iter().enumerate() {
                 let cell = block.cell(i, j);
-                let t = to.plan[cell].get(lane);
-                row_structure += to.gradient[cell].get(lane) * t;
+                let t = plan[cell].get(lane);
+                row_structure += gradient[cell].get(lane) * t;
                 row_feature += cost.max(0.0) * t;
             }
             structure += row_structure;
@@ -193,8 +190,9 @@ impl<'a> Lane<'a> {
     ) -> Solution {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let mut plan = Vec::with_capacity(n * m);
+        let from = &block.to.plan[..];
         for i in 0..n {
-            plan.extend((0..m).map(|j| block.to.plan[block.cell(i, j)].get(lane)));
+            plan.extend((0..m).map(|j| from[block.cell(i, j)].get(lane)));
         }
         // Nodes without mass have no potential.
         let of = |x: &V, mass: &V| if mass.get(lane) > 0.0 { eps * x.get(lane) } else { 0.0 };
