@@ -221,23 +221,9 @@ fn put<V: Vector>(out: &mut [V], lane: usize, numbers: &[f64]) {
     }
 }
 
-/// Sums of a structure's row and of its squares over the nodes' masses, four at a time.
+/// Sums of a structure's row and of its squares over the nodes' masses, in the order of the nodes.
 fn moments(row: &[f64], masses: &[f64]) -> (f64, f64) {
-    let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
-    let (fours, last) = row.as_chunks::<4>();
-    let (four_masses, last_masses) = masses[..row.len()].as_chunks::<4>();
-    for (row, masses) in fours.iter().zip(four_masses) {
-        for k in 0..4 {
-            sums[k] += row[k] * masses[k];
-            squares[k] += row[k] * row[k] * masses[k];
-        }
-    }
-    for (k, (a, mass)) in last.iter().zip(last_masses).enumerate() {
-        sums[k] += a * mass;
-        squares[k] += a * a * mass;
-    }
-    let total = |x: [f64; 4]| (x[0] + x[1]) + (x[2] + x[3]);
-    (total(sums), total(squares))
+    row.iter().zip(masses).fold((0.0, 0.0), |(sum, square), (a, mass)| (sum + a * mass, square + a * a * mass))
 }
 
 /// Largest absolute value, four at a time.
