@@ -35,27 +35,24 @@ def solve(n, settings, em_rate, max_outer):
     np.testing.assert_array_equal(found.plan[pair.mu == 0], 0.0)
     np.testing.assert_array_equal(found.plan[:, pair.nu == 0], 0.0)
     assert found.plan.sum() > 0
-    # What is not settled says so by having used its iterations up, or by having no step left.
-    assert found.converged or found.n_iters <= max_outer
     return found
 
 
 @pytest.mark.parametrize("em_rate", [None, 0.4])
 @pytest.mark.parametrize("settings", EXTREMES, ids=str)
-def test_large_graphs_stay_finite_and_descend(settings, em_rate):
-    solve(80, settings, em_rate, 10)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("settings", EXTREMES, ids=str)
-@pytest.mark.parametrize("n", [200, 500])
-def test_very_large_graphs_stay_finite_and_descend(n, settings):
-    solve(n, settings, 0.4, 4)
+@pytest.mark.parametrize("n", [80, 200, 500])
+def test_large_graphs_stay_finite_and_descend(n, settings, em_rate):
+    solve(n, settings, em_rate, 10 if n < 500 else 4)
 
 
 @pytest.mark.parametrize("n", [100, 200])
-def test_large_graphs_settle(n):
-    assert solve(n, {}, 0.4, 200).converged
+def test_large_graphs_settle_where_they_say(n):
+    found = solve(n, {}, 0.4, 200)
+    assert found.converged
+    pair, options = extreme(n)
+    exact = ufgw(*pair.data, **options, em_rate=0.4, tol=1e-10, max_outer=2000)
+    assert exact.converged
+    assert np.abs(found.plan - exact.plan).sum() < 1e-5 * exact.plan.sum()
 
 
 @pytest.mark.parametrize("n", [8, 40, 120])

@@ -96,7 +96,9 @@ fn large_pair() -> impl Strategy<Value = Pair> {
                 (mu[0], nu[0]) = (0.5, 0.5);
                 for masses in [&mut mu, &mut nu] {
                     let total: f64 = masses.iter().sum();
-                    masses.iter_mut().for_each(|x| *x /= total);
+                    for x in masses.iter_mut() {
+                        *x /= total;
+                    }
                 }
                 Pair([features, source, target, mu, nu])
             },

@@ -50,7 +50,7 @@ mod tests {
         for len in [0, 1, 7, 64] {
             let array = Aligned::new(1.5_f32, len);
             assert_eq!((array.as_ptr().addr() % LINE, array.len()), (0, len));
-            assert!(array.iter().all(|x| *x == 1.5));
+            assert!(array.iter().all(|x| x.to_bits() == 1.5_f32.to_bits()));
         }
     }
 }
