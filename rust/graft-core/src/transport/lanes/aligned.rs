@@ -8,10 +8,9 @@ const LINE: usize = 64;
 /// A fixed number of values from a cache line on.
 #[derive(Debug)]
 pub struct Aligned<T> {
-    // A few values longer than asked for.
+    // A few values before those asked for.
     values: Vec<T>,
     first: usize,
-    len: usize,
 }
 
 impl<T: Copy> Aligned<T> {
@@ -19,9 +18,10 @@ impl<T: Copy> Aligned<T> {
     #[must_use]
     pub fn new(value: T, len: usize) -> Self {
         let spare = LINE.div_ceil(size_of::<T>()) - 1;
-        let values = vec![value; len + spare];
-        let first = (values.as_ptr().addr().wrapping_neg() % LINE) / size_of::<T>();
-        Self { values, first: first.min(spare), len }
+        let mut values = vec![value; len + spare];
+        let first = ((values.as_ptr().addr().wrapping_neg() % LINE) / size_of::<T>()).min(spare);
+        values.truncate(first + len);
+        Self { values, first }
     }
 }
 
@@ -30,14 +30,14 @@ impl<T> Deref for Aligned<T> {
 
     #[inline]
     fn deref(&self) -> &[T] {
-        &self.values[self.first..self.first + self.len]
+        &self.values[self.first..]
     }
 }
 
 impl<T> DerefMut for Aligned<T> {
     #[inline]
     fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.values[self.first..self.first + self.len]
+        &mut self.values[self.first..]
     }
 }
 

@@ -139,13 +139,14 @@ impl<'a> Lane<'a> {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let to = &block.to;
         let (plan, gradient) = (&to.plan[..], &to.gradient[..]);
+        let (down, across) = block.strides();
         let (mut structure, mut feature, mut source, mut mass) = (0.0, 0.0, 0.0, 0.0);
         for i in 0..n {
             // By rows, so that one row's sums need not wait for the last's.
             let (mut row_structure, mut row_feature) = (0.0, 0.0);
             let features = &self.input.features[i * m..(i + 1) * m];
             for (j, cost) in features.iter().enumerate() {
-                let cell = block.cell(i, j);
+                let cell = i * down + j * across;
                 let t = plan[cell].get(lane);
                 row_structure += gradient[cell].get(lane) * t;
                 row_feature += cost.max(0.0) * t;
@@ -191,8 +192,9 @@ impl<'a> Lane<'a> {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let mut plan = Vec::with_capacity(n * m);
         let from = &block.to.plan[..];
+        let (down, across) = block.strides();
         for i in 0..n {
-            plan.extend((0..m).map(|j| from[block.cell(i, j)].get(lane)));
+            plan.extend((0..m).map(|j| from[i * down + j * across].get(lane)));
         }
         // Nodes without mass have no potential.
         let of = |x: &V, mass: &V| if mass.get(lane) > 0.0 { eps * x.get(lane) } else { 0.0 };
