@@ -5,10 +5,10 @@
 Times are microseconds a pair, the least of nine rounds (two for the slow peers), as other work on the machine only
 adds; to tolerance 1e-6, single precision to 1e-5. What runs in one thread is timed by that thread's processor time
 (NumPy's and POT's BLAS threads are not counted, in their favour), two threads and ott-jax by the clock on the wall.
-`F` is the mean of this package's objective without EM at each solver's plan, over the first pairs. POT's `fused_unbalanced_gromov_wasserstein` minimises another objective (its
-marginals enter squared) and ott-jax has the unit entropy, so their F says how far apart the problems are, not how well
-they solve their own. ott-jax is timed where it is installed, compiled, in its best form: vmap over all pairs in single
-precision.
+`F` is the mean of this package's objective without EM at each solver's plan, over the first pairs. POT's
+`fused_unbalanced_gromov_wasserstein` minimises another objective (its marginals enter squared) and ott-jax has the unit
+entropy, so their F says how far apart the problems are, not how well they solve their own. ott-jax is timed where it is
+installed, compiled, in its best form: vmap over all pairs in single precision.
 """
 
 from __future__ import annotations
