@@ -2,18 +2,24 @@
 
     python benches/motion.py [--problems N]
 
-Objects of the zoo (and YCB scans, with the extra demo) stand on a table; the hand starts above and beside them, open. Goals: poses 8 cm before
-places on graspable parts (pre-grasps), and the grasps themselves, fingers around the part (narrow). Both planners get
-problems whose ends keep 1 mm from everything by FCL. Every path of either planner is checked again by FCL, a pose
-every half millimetre of travel.
+Objects of the zoo (and YCB scans, with the extra demo) stand on a table; the open hand starts above or beside them,
+anyhow turned. Goals: poses 8 cm before places on graspable parts (pre-grasps), and the grasps themselves, fingers
+around the part (narrow). Both planners get the problems whose ends keep 1 mm from everything by FCL, the same bounds
+and the same weight of rotations. Every path of either planner is checked again by FCL, a pose every half millimetre of
+travel. Times are the process's processor time: other work on the machine does not count.
+
+The arm: inverse kinematics of poses that random configurations have, and plans to them around a mug on a table.
 """
 
 import argparse
+import itertools
 import statistics
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import fcl
+import mujoco
 import numpy as np
 from ompl import base, geometric, util
 from scipy.spatial.transform import Rotation
@@ -24,14 +30,20 @@ from graft.errors import GraftError
 from graft.grasp import PANDA_HAND, Support, in_metres
 from graft.motion import MotionConfig, plan_motions
 from graft.motion.approach import translation
+from graft.motion.joints import clear_joints, plan_joints, world_around
 from graft.objects import PartObject
+from graft.sim.arm import Arm, IkConfig, panda_arm, plan_arm, solve_ik
 
 CATEGORIES = ("mug", "pan", "kettle", "teapot", "water_bucket", "watering_can", "basket", "hammer")
 SCANS = ("025_mug", "019_pitcher_base", "048_hammer", "035_power_drill", "033_spatula", "006_mustard_bottle")
 CLEARANCE = 0.001
 OMPL_SECONDS = 5.0
 GRAFT_CONFIG = MotionConfig()
-GROUND = 2.0  # half extent of the table's box for FCL, metres
+DIRECT = MotionConfig(max_iterations=0)
+ROUGH = MotionConfig(shortcuts=0)
+BATCH = 16
+ARM_GOALS = 200
+SPACING = 0.0005
 
 
 @dataclass
@@ -62,11 +74,17 @@ class Checker:
         self.hand = [fcl.CollisionObject(fcl.Box(*(2 * (b.half_extents + slack)))) for b in self.boxes]
         self.halves = [b.half_extents + slack for b in self.boxes]
         self.request = fcl.CollisionRequest()
-        self.calls = 0
+        self.calls, self.seconds = 0, 0.0
 
     def free(self, rotation: Floats, position: Floats) -> bool:
         """Whether the hand touches nothing."""
         self.calls += 1
+        begun = time.process_time()
+        answer = self._free(rotation, position)
+        self.seconds += time.process_time() - begun
+        return answer
+
+    def _free(self, rotation: Floats, position: Floats) -> bool:
         for box, half, moved in zip(self.boxes, self.halves, self.hand, strict=True):
             turn, center = rotation @ box.rotation, rotation @ box.center + position
             if center @ self.normal - self.offset < np.abs(turn.T @ self.normal) @ half:
@@ -142,7 +160,7 @@ def problems(count: int) -> list[Problem]:
 def dense(poses: Floats, spacing: float, radius: float) -> list[Floats]:
     """Return poses along a path, no further apart than `spacing` metres of travel."""
     result = [poses[0]]
-    for a, b in zip(poses, poses[1:], strict=False):
+    for a, b in itertools.pairwise(poses):
         turn = Rotation.from_matrix(a[:3, :3].T @ b[:3, :3])
         travel = np.linalg.norm(b[:3, 3] - a[:3, 3]) + radius * turn.magnitude()
         for t in np.linspace(0, 1, int(np.ceil(travel / spacing)) + 1)[1:]:
@@ -160,7 +178,18 @@ def reach() -> float:
     return max(float(np.linalg.norm(b.center + s * b.half_extents @ b.rotation.T)) for b in boxes for s in signs)
 
 
-def solve_ompl(problem: Problem, checker: Checker, fraction: float) -> tuple[float, Floats | None, float]:
+def matrix(x: float, y: float, z: float, w: float) -> Floats:
+    """Return the rotation of a unit quaternion, without scipy's overhead."""
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def solve_ompl(problem: Problem, checker: Checker, resolution: float) -> tuple[float, Floats | None, float]:
     """Return seconds, path and seconds with simplification of OMPL's RRTConnect."""
     space = base.SE3StateSpace()
     corners = np.concatenate([problem.obj.bounds, problem.start[None, :3, 3], problem.goal[None, :3, 3]])
@@ -171,12 +200,12 @@ def solve_ompl(problem: Problem, checker: Checker, fraction: float) -> tuple[flo
     space.setBounds(bounds)
     space.setSubspaceWeight(1, reach())
     setup = geometric.SimpleSetup(space)
-    setup.getSpaceInformation().setStateValidityCheckingResolution(fraction)
+    extent = space.getMaximumExtent()
+    setup.getSpaceInformation().setStateValidityCheckingResolution(resolution / extent if resolution else 0.01)
 
     def valid(state: base.State) -> bool:
         q = state.rotation()
-        rotation = Rotation.from_quat([q.x, q.y, q.z, q.w]).as_matrix()
-        return checker.free(rotation, np.array([state.getX(), state.getY(), state.getZ()]))
+        return checker.free(matrix(q.x, q.y, q.z, q.w), np.array([state.getX(), state.getY(), state.getZ()]))
 
     setup.setStateValidityChecker(valid)
 
@@ -190,13 +219,13 @@ def solve_ompl(problem: Problem, checker: Checker, fraction: float) -> tuple[flo
     setup.setStartAndGoalStates(state_of(problem.start), state_of(problem.goal))
     setup.setPlanner(geometric.RRTConnect(setup.getSpaceInformation()))
     setup.setup()
-    begun = time.perf_counter()
+    begun = time.process_time()
     setup.solve(OMPL_SECONDS)
-    solved = time.perf_counter() - begun
+    solved = time.process_time() - begun
     if not setup.haveExactSolutionPath():
         return solved, None, solved
     setup.simplifySolution()
-    total = time.perf_counter() - begun
+    total = time.process_time() - begun
     poses = []
     for state in setup.getSolutionPath().getStates():
         q = state.rotation()
@@ -207,20 +236,156 @@ def solve_ompl(problem: Problem, checker: Checker, fraction: float) -> tuple[flo
     return solved, np.stack(poses), total
 
 
+def valid_path(checker: Checker, poses: Floats) -> bool:
+    """Whether FCL finds no pose of a path that touches, a pose every half millimetre."""
+    return all(checker.free(pose[:3, :3], pose[:3, 3]) for pose in dense(poses, SPACING, reach()))
+
+
+def length(poses: Floats) -> float:
+    """Return metres, and radians times the reach."""
+    turns = np.swapaxes(poses[:-1, :3, :3], 1, 2) @ poses[1:, :3, :3]
+    ways = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
+    return float(ways.sum() + reach() * Rotation.from_matrix(turns).magnitude().sum())
+
+
+@dataclass
+class Run:
+    """One problem: seconds until a path was found and until it was smooth, the path, its validity, collision tests."""
+
+    search: float
+    whole: float
+    path: Floats | None
+    valid: bool
+    tests: int
+
+
+def row(name: str, runs: list[Run]) -> None:
+    """Print one planner's line."""
+    found = [run for run in runs if run.path is not None]
+    lengths = [length(run.path) for run in found if run.path is not None]
+    whole = [1e3 * run.whole for run in runs]
+    print(
+        f"  {name:34} {len(found):4d}/{len(runs):<4d} {sum(run.valid for run in found):5d} "
+        f"{1e3 * statistics.median(run.search for run in runs):9.2f} {statistics.median(whole):9.2f} "
+        f"{float(np.quantile(whole, 0.9)):9.2f} {statistics.median(run.tests for run in runs):8.0f} "
+        f"{statistics.median(lengths):7.2f}"
+    )
+
+
+def run_graft(todo: list[Problem], count: int) -> list[Run]:
+    """Plan in calls of `count` times the same problem; a call of one builds the object's tree for itself."""
+    runs = []
+    for p in todo:
+        seconds = []
+        for config in (ROUGH, GRAFT_CONFIG):
+            begun = time.process_time()
+            motion = plan_motions(
+                p.obj, [p.start] * count, [p.goal] * count, PANDA_HAND, support=p.support, config=config
+            )[0]
+            seconds.append((time.process_time() - begun) / count)
+        path = motion.poses if motion.found else None
+        valid = path is not None and valid_path(Checker(p.obj, p.support), path)
+        runs.append(Run(seconds[0], seconds[1], path, valid, motion.checks))
+    return runs
+
+
+def run_ompl(todo: list[Problem], resolution: float) -> list[Run]:
+    """Plan with OMPL; the object's tree is built before the clock starts."""
+    runs = []
+    for p in todo:
+        checker = Checker(p.obj, p.support)
+        search, path, whole = solve_ompl(p, checker, resolution)
+        calls = checker.calls
+        runs.append(Run(search, whole, path, path is not None and valid_path(checker, path), calls))
+    return runs
+
+
+def is_direct(p: Problem) -> bool:
+    """Whether the straight motion is free."""
+    return plan_motions(p.obj, [p.start], [p.goal], PANDA_HAND, support=p.support, config=DIRECT)[0].found
+
+
+PLANNERS: dict[str, Callable[[list[Problem]], list[Run]]] = {
+    "graft, a call each": lambda todo: run_graft(todo, 1),
+    f"graft, {BATCH} in a call, per plan": lambda todo: run_graft(todo, BATCH),
+    "OMPL + FCL, steps of 1 % of extent": lambda todo: run_ompl(todo, 0.0),
+    "OMPL + FCL, steps of 2 mm": lambda todo: run_ompl(todo, 0.002),
+}
+
+
+def hand_tables(todo: list[Problem]) -> None:
+    """Print all planners on the same problems: by the kind of goal, and those without a direct way again."""
+    results = {name: planner(todo) for name, planner in PLANNERS.items()}
+    direct = [is_direct(p) for p in todo]
+    kinds = {
+        "pre-grasps": [not p.narrow for p in todo],
+        "grasps, the fingers around the part": [p.narrow for p in todo],
+        "of both, no direct way": [not d for d in direct],
+    }
+    for kind, chosen in kinds.items():
+        straight = sum(c and d for c, d in zip(chosen, direct, strict=True))
+        print(f"{kind}: {sum(chosen)} problems, {straight} with a direct way; ms")
+        print(f"  {'':34} {'found':>9} {'valid':>5} {'search':>9} {'whole':>9} {'90 %':>9} {'tests':>8} {'length':>7}")
+        for name, runs in results.items():
+            row(name, [run for run, c in zip(runs, chosen, strict=True) if c])
+
+
+def arm_table() -> None:
+    """Print how often and how fast the Panda reaches poses that some configuration has."""
+    arm = panda_arm().holding(PANDA_HAND.stroke)
+    mug, ground = standing(zoo.make("mug", 0))
+    T_world_object = translation(np.array([0.5, 0.0, 0.0]))
+    table = Support(ground.normal, ground.offset)
+    world = world_around(mug, T_world_object, table)
+    joints = np.random.default_rng(0).uniform(*arm.chain.limits.T, (1200, arm.chain.n_joints))
+    goals = joints[clear_joints(arm.chain, world, joints, CLEARANCE)][:ARM_GOALS]
+    starts = np.roll(goals, 1, axis=0)
+    poses = [tcp_pose(arm, q) for q in goals]
+
+    def timed(name: str, work: Callable[[int], bool]) -> None:
+        seconds, good = [], 0
+        for i in range(len(goals)):
+            begun = time.process_time()
+            good += work(i)
+            seconds.append(1e3 * (time.process_time() - begun))
+        median, slow = statistics.median(seconds), float(np.quantile(seconds, 0.9))
+        print(f"  {name:50} {good:4d}/{len(goals):<4d} {median:9.2f} {slow:9.2f}")
+
+    print(f"Panda, {len(goals)} poses of random free configurations, a mug on a table; ms")
+    print(f"  {'':50} {'found':>9} {'median':>9} {'90 %':>9}")
+    one = IkConfig(attempts=1, solutions=1)
+    timed("inverse kinematics, one attempt from home", lambda i: len(solve_ik(arm, poses[i], config=one)) > 0)
+    first = IkConfig(solutions=1)
+    timed("inverse kinematics, up to 24 attempts", lambda i: len(solve_ik(arm, poses[i], config=first)) > 0)
+    timed(
+        "RRT-Connect between configurations",
+        lambda i: plan_joints(arm.chain, world, starts[i : i + 1], goals[i : i + 1])[0].found,
+    )
+    timed(
+        "both, from home to a pose",
+        lambda i: plan_arm(arm, mug, T_world_object, poses[i], support=table).found,
+    )
+
+
+def tcp_pose(arm: Arm, joints: Floats) -> Floats:
+    """Return T_world_gripper at joint values (j,), by MuJoCo."""
+    data = mujoco.MjData(arm.model)
+    data.qpos[:] = joints
+    mujoco.mj_kinematics(arm.model, data)
+    pose = translation(data.site(arm.site).xpos)
+    pose[:3, :3] = data.site(arm.site).xmat.reshape(3, 3)
+    return pose
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--problems", type=int, default=3)
     todo = problems(parser.parse_args().problems)
     util.noOutputHandler()
-    print(len(todo), sum(p.narrow for p in todo))
-    for narrow in (False, True):
-        rows = []
-        for p in (p for p in todo if p.narrow == narrow):
-            begun = time.perf_counter()
-            motion = plan_motions(p.obj, [p.start], [p.goal], PANDA_HAND, support=p.support)[0]
-            one = time.perf_counter() - begun
-            print(p.obj.name, p.obj.n_faces, motion.found, motion.iterations, motion.nodes, motion.checks, len(motion.poses), f"{1e3*one:.2f} ms", motion.reason)
+    util.RNG.setSeed(1)
+    hand_tables(todo)
+    arm_table()
 
 
 if __name__ == "__main__":

@@ -47,6 +47,15 @@ def test_our_archive_keeps_every_bit(n, tmp_path):
     assert back.gripper.name == "robotiq_2f85"
 
 
+@pytest.mark.parametrize("name", ["g.npz", "g.npy", "g.json"])
+def test_the_same_grasps_are_the_same_file(name, tmp_path, monkeypatch):
+    save_grasps(tmp_path / name, some())
+    first = (tmp_path / name).read_bytes()
+    monkeypatch.setattr("time.localtime", lambda *_: (2001, 2, 3, 4, 5, 6, 0, 0, 0))
+    save_grasps(tmp_path / name, some())
+    assert (tmp_path / name).read_bytes() == first
+
+
 def test_our_archive_is_read_by_numpy_without_pickle(tmp_path):
     save_grasps(tmp_path / "g.npz", some())
     with np.load(tmp_path / "g.npz", allow_pickle=False) as arrays:

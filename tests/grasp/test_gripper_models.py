@@ -52,6 +52,12 @@ ARM = """<link name="base"/><joint name="wrist" type="revolute"><parent link="ba
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"""
 
 
+THIRD = '<body><joint type="slide" axis="0 1 0"/><geom size="0.01"/></body>'
+
+LIFT = """<link name="base"/><joint name="lift" type="prismatic"><parent link="base"/><child link="hand"/>
+<origin xyz="0 0 1"/><axis xyz="0 1 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint>"""
+
+
 def check(gripper):
     assert gripper.stroke == pytest.approx(0.06, abs=1e-6)
     assert gripper.reach == pytest.approx(0.11, abs=1e-3)
@@ -74,22 +80,40 @@ def test_a_hand_is_found_in_mjcf(options, tmp_path):
     check(load_gripper(tmp_path / "hand.xml"))
 
 
-@pytest.mark.parametrize("root", ["", ARM], ids=["alone", "on an arm that points down"])
+@pytest.mark.parametrize("root", ["", ARM, LIFT], ids=["alone", "on an arm that points down", "on a lift"])
 def test_a_hand_is_found_in_urdf(root, tmp_path):
     (tmp_path / "hand.urdf").write_text(urdf(root))
     check(load_gripper(tmp_path / "hand.urdf"))
 
 
+def test_a_finger_turned_by_half_is_as_good_as_a_mirrored_one(tmp_path):
+    """Both fingers have a knob of 4 mm on the side that is +x of the right one and, turned, -x of the left one."""
+    knob = '<visual><origin xyz="{x} {y} 0.06"/><geometry><box size="0.008 0.006 0.02"/></geometry></visual></link>'
+    text = urdf()
+    for link, sign in (("right", 1), ("left", -1)):
+        head, tail = text.split(f'<link name="{link}">')
+        body, rest = tail.split("</link>", 1)
+        text = f'{head}<link name="{link}">{body}{knob.format(x=sign * 0.01, y=sign * 0.005)}{rest}'
+    (tmp_path / "hand.urdf").write_text(text)
+    gripper = load_gripper(tmp_path / "hand.urdf")
+    assert gripper.stroke == pytest.approx(0.06)
+    np.testing.assert_allclose(gripper.pad.corners[:, 0].min(), -0.014)
+    np.testing.assert_allclose(gripper.pad.corners[:, 0].max(), 0.014)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (lambda: urdf(joint="revolute"), "found 0 slide and 2 hinge joints; describe .* in a .toml"),
-        (lambda: mjcf(left_axis="0 0 1"), "expected parallel axes"),
+        (
+            lambda: urdf(joint="revolute"),
+            "found 0 such pairs among 0 slide joints and 2 hinges; describe .* in a .toml",
+        ),
+        (lambda: mjcf(left_axis="0 0 1"), "found 0 such pairs among 2 slide joints .right_joint, left_joint. and 0"),
         (lambda: mjcf(left_pad=0.002), "no mirror images"),
         (lambda: mjcf().replace(' range="0 0.03"', ""), "'right_joint': expected limits"),
         (lambda: urdf().replace('upper="0.03"', 'upper="0"'), "expected limits"),
-        (lambda: mjcf(extra='<body><joint type="slide"/><geom size="0.01"/></body>'), "found 3 slide"),
-        (lambda: urdf().replace("prismatic", "fixed"), "found 0 slide and 0 hinge"),
+        (lambda: mjcf(extra=THIRD), "found 3 such pairs among 3 slide joints"),
+        (lambda: urdf().replace("prismatic", "fixed"), "found 0 such pairs among 0 slide joints and 0 hinges"),
     ],
 )
 def test_a_model_without_such_a_gripper_says_why(text, message, tmp_path):

@@ -7,7 +7,8 @@ from scipy.spatial.transform import Rotation
 
 from graft import zoo
 from graft.grasp import PANDA_HAND, Support, in_metres
-from graft.motion import MotionConfig, plan_motions
+from graft.motion import Motion, plan_motions
+from graft.motion.trajectory import stamp
 
 fcl = pytest.importorskip("fcl")
 
@@ -36,7 +37,10 @@ class Peer:
         for box, shape in zip(self.boxes, self.shapes, strict=True):
             turn, center = pose[:3, :3] @ box.rotation, pose[:3, :3] @ box.center + pose[:3, 3]
             shape.setTransform(fcl.Transform(turn, center))
-            if center @ self.support.normal - self.support.offset < np.abs(turn.T @ self.support.normal) @ box.half_extents:
+            if (
+                center @ self.support.normal - self.support.offset
+                < np.abs(turn.T @ self.support.normal) @ box.half_extents
+            ):
                 return True
             if fcl.collide(shape, self.obstacle, fcl.CollisionRequest(), fcl.CollisionResult()):
                 return True
@@ -51,26 +55,31 @@ def dense(motion):
     return motion.sampled(SPACING / travel.max()).poses
 
 
-def random_poses(obj, count, rng):
-    poses = np.tile(np.eye(4), (count, 1, 1))
-    poses[:, :3, :3] = Rotation.random(count, rng=rng).as_matrix()
-    poses[:, :3, 3] = rng.uniform(obj.bounds[0] - 0.2, obj.bounds[1] + 0.2, (count, 3))
+def across(obj, up, count, rng):
+    """Poses on one side of an object and on the other, anyhow turned: (count, 4, 4) twice."""
+    poses = np.tile(np.eye(4), (2, count, 1, 1))
+    poses[:, :, :3, :3] = Rotation.random(2 * count, rng=rng).as_matrix().reshape(2, count, 3, 3)
+    side = rng.normal(size=(count, 3))
+    side = 0.2 * side / np.linalg.norm(side, axis=1, keepdims=True)
+    middle = obj.bounds.mean(axis=0) + 0.1 * up
+    poses[0, :, :3, 3], poses[1, :, :3, 3] = middle + side, middle - side
     return poses
 
 
-@pytest.mark.parametrize("name", ["mug", "water_bucket", "hammer"])
+@pytest.mark.parametrize("name", ["mug", "water_bucket", "kettle"])
 def test_no_pose_on_a_path_touches(name):
     obj = in_metres(zoo.make(name, 1))
-    support = Support(obj.up, min(float((p.vertices @ obj.up).min()) for p in obj.parts))
+    up = np.array([0.0, 0.0, 1.0]) if obj.up is None else obj.up
+    support = Support(up, min(float((p.vertices @ up).min()) for p in obj.parts))
     peer = Peer(obj, support, 0.06)
     rng = np.random.default_rng(7)
-    poses = random_poses(obj, 40, rng)
-    motions = plan_motions(obj, poses[:20], poses[20:], PANDA_HAND, support=support, opening=0.06)
+    starts, goals = across(obj, up, 20, rng)
+    motions = plan_motions(obj, starts, goals, PANDA_HAND, support=support, opening=0.06)
     found = [motion for motion in motions if motion.found]
     assert sum(motion.iterations > 0 for motion in found) >= 2
     for motion in found:
         assert not any(peer.touches(pose) for pose in dense(motion))
-    for motion, start, goal in zip(motions, poses[:20], poses[20:], strict=True):
+    for motion, start, goal in zip(motions, starts, goals, strict=True):
         if peer.touches(start):
             assert motion.reason.startswith("start in collision")
         elif peer.touches(goal):
@@ -82,8 +91,6 @@ def test_no_pose_on_a_path_touches(name):
 def test_the_peer_sees_a_cut_through_the_object():
     # The straight way, which the planner refuses: the check above can fail.
     obj, support = mug()
+    ends = np.stack([beside(obj, -1, 0.06), beside(obj, 1, 0.06)])
     peer = Peer(obj, support, 0.08)
-    straight = plan_motions(obj, [beside(obj, -1, 0.06)], [beside(obj, 1, 0.06)], PANDA_HAND, config=MotionConfig())[0]
-    ends = straight.poses[[0, -1]]
-    middle = ends.mean(axis=0)
-    assert peer.touches(middle)
+    assert any(peer.touches(pose) for pose in dense(Motion(ends, stamp(ends, 0.5, 1.0))))

@@ -8,6 +8,7 @@ from motion_scenes import beside, down, mug
 from graft.errors import InputError
 from graft.grasp import PANDA_HAND, Support
 from graft.motion import MotionConfig, plan_motion, plan_motions
+from graft.objects import Part, PartObject
 
 OBJECT, TABLE = mug()
 LEFT, RIGHT = beside(OBJECT, -1, 0.06), beside(OBJECT, 1, 0.06)
@@ -36,9 +37,7 @@ def test_the_same_seed_gives_the_same_motion_alone_or_in_company():
     config = MotionConfig(seed=5)
     ends = [(LEFT, RIGHT), (RIGHT, LEFT), (LEFT, down([0, 0, 0.3]))]
     alone = [plan_motion(OBJECT, a, b, PANDA_HAND, support=TABLE, config=config) for a, b in ends]
-    batch = plan_motions(
-        OBJECT, [a for a, _ in ends], [b for _, b in ends], PANDA_HAND, support=TABLE, config=config
-    )
+    batch = plan_motions(OBJECT, [a for a, _ in ends], [b for _, b in ends], PANDA_HAND, support=TABLE, config=config)
     assert all(same(a, b) for a, b in zip(alone, batch, strict=True))
     other = plan_motion(OBJECT, LEFT, RIGHT, PANDA_HAND, support=TABLE, config=MotionConfig(seed=6))
     assert not same(alone[0], other)
@@ -84,7 +83,10 @@ def test_gives_up_with_a_reason():
 
 def test_a_narrower_opening_gets_through_where_the_stroke_does_not():
     # Two blocks, 13 cm apart: the open fingers, 8 cm + 2 x 1.5 cm wide, pass; a slot of 10 cm only lets closed ones in.
-    wall = [trimesh.creation.box([0.4, 0.2, 0.04], trimesh.transformations.translation_matrix([0, y, 0])) for y in (-0.15, 0.15)]
+    wall = [
+        trimesh.creation.box([0.4, 0.2, 0.04], trimesh.transformations.translation_matrix([0, y, 0]))
+        for y in (-0.15, 0.15)
+    ]
     blocks = trimesh.util.concatenate(wall)
     through = down([0, 0, 0.0])
     above = down([0, 0, 0.3])
@@ -101,15 +103,13 @@ def test_a_narrower_opening_gets_through_where_the_stroke_does_not():
         ({"start": np.eye(3)}, "start: expected shape"),
         ({"opening": 0.081}, "opening: expected metres from 0 to the stroke 0.08"),
         ({"opening": float("nan")}, "opening"),
-        ({"obj": (np.random.default_rng(0).random((50, 3)), np.empty((0, 3), int))}, "point cloud"),
+        ({"obj": trimesh.creation.box([90.0, 90.0, 90.0])}, "give scale_to_metres"),
     ],
 )
 def test_bad_input_is_one_line(change, match):
     arguments = {"obj": OBJECT, "start": LEFT, "goal": RIGHT, "opening": None} | change
     with pytest.raises(InputError, match=match) as error:
-        plan_motion(
-            arguments["obj"], arguments["start"], arguments["goal"], PANDA_HAND, opening=arguments["opening"]
-        )
+        plan_motion(arguments["obj"], arguments["start"], arguments["goal"], PANDA_HAND, opening=arguments["opening"])
     assert "\n" not in str(error.value)
 
 
@@ -120,6 +120,15 @@ def test_bad_settings_are_refused(field):
     for value in (-1, float("nan")):
         with pytest.raises(InputError, match=field):
             MotionConfig(**{field: value})
+
+
+def test_clouds_are_in_the_way_too():
+    points = OBJECT.parts[0].vertices
+    cloud = PartObject("cloud", (Part("points", points),), scale_to_metres=1.0)
+    motion = plan_motion(cloud, LEFT, RIGHT, PANDA_HAND, support=TABLE)
+    assert motion.found
+    assert motion.iterations > 0
+    assert "goal in collision" in plan_motion(cloud, LEFT, down([0.04, 0, 0.05]), PANDA_HAND).reason
 
 
 def test_nothing_goes_below_the_support():

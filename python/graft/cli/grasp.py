@@ -91,14 +91,15 @@ class GraspCommand:
         if len(given) > 1:
             raise InputError(f"{' and '.join(given)}: expected one of them, they each say where to grasp")
         check_outputs(self.out, (*GRASP_SUFFIXES, *_PICTURES))
-        gripper, planner = find_gripper(self.gripper), self._planner()
+        gripper, planner = find_gripper(self.gripper, packages=self.loading.packages()), self._planner()
         target = self.loading.load(self.target)
+        part = None if self.part is None else target.part_index(self.part)
         contact = self._contact(target)
         grasps = plan_grasps(
             target,
             contact,
             gripper,
-            part=self.part,
+            part=part,
             support=Support.below(in_metres(target)) if self.support == "auto" else None,
             planner=planner,
             k=self.k,

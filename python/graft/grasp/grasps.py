@@ -175,14 +175,20 @@ class GraspSet:
         for name, bound in (("translation", translation), ("rotation", rotation)):
             if not bound >= 0:
                 raise InputError(f"nms {name}: expected a number from 0 on, got {bound}")
+        from scipy.spatial import cKDTree
+
         order = self.sorted()
+        if not len(order):
+            return order
+        places, axes = order.poses[:, :3, 3], order.poses[:, :3, :3]
+        tree = cKDTree(places)
         left = np.ones(len(order), bool)
         kept = []
         for i in range(len(order)):
             if left[i]:
                 kept.append(i)
-                near = np.linalg.norm(order.poses[:, :3, 3] - order.poses[i, :3, 3], axis=1) <= translation
-                left &= ~(near & (angles_between(order.poses[:, :3, :3], order.poses[i, :3, :3]) <= rotation))
+                near = np.array(tree.query_ball_point(places[i], translation), np.int64)
+                left[near[angles_between(axes[near], axes[i]) <= rotation]] = False
         return order[np.array(kept, np.int64)]
 
     def top(self, k: int) -> GraspSet:

@@ -173,9 +173,9 @@ PANDA_HAND = Gripper(
 """Franka's hand.
 
 Stroke, force (70 N continuous), mass and the TCP .1034 m from the flange: Franka's data sheet. Boxes: around the meshes
-of franka_description, `hand` (x +-.0315, y -.104 to .1006, z 0 to .066 from the flange) and `finger` (its pad is 18 mm
-wide, 14.5 mm thick and 18 mm long with the TCP in its middle; behind it a shank from y = .008, where the mesh bends
-back, to .0254).
+of franka_description, `hand` (x +-.0315, y -.104 to .1006, z 0 to .066 from the flange; without the connector that lies
+behind the flange) and `finger` (its pad is 18 mm wide, 14.5 mm thick and 18 mm long with the TCP in its middle; behind
+it a shank from y = .008, where the mesh bends back, to .0254).
 """
 
 ROBOTIQ_2F85 = Gripper(

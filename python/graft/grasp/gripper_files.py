@@ -52,8 +52,12 @@ MODEL_SUFFIXES = (".xml", ".urdf")
 """Of robot descriptions, MJCF and URDF."""
 
 
-def find_gripper(name: str | os.PathLike[str]) -> Gripper:
+def find_gripper(name: str | os.PathLike[str], *, packages: Mapping[str, Path] | None = None) -> Gripper:
     """Return a gripper by the name of a built-in one, or from a file.
+
+    Args:
+        name: One of `BUILTIN`, or a path.
+        packages: Folders that a model may name files in, see `load_object`.
 
     Raises:
         InputError: Neither; the message lists the names. See `load_gripper`.
@@ -62,7 +66,7 @@ def find_gripper(name: str | os.PathLike[str]) -> Gripper:
     if text in BUILTIN:
         return BUILTIN[text]
     if Path(text).suffix.lower() in (".toml", *MODEL_SUFFIXES):
-        return load_gripper(text)
+        return load_gripper(text, packages=packages)
     close = difflib.get_close_matches(text, BUILTIN, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
     raise InputError(
@@ -70,8 +74,12 @@ def find_gripper(name: str | os.PathLike[str]) -> Gripper:
     )
 
 
-def load_gripper(path: str | os.PathLike[str]) -> Gripper:
+def load_gripper(path: str | os.PathLike[str], *, packages: Mapping[str, Path] | None = None) -> Gripper:
     """Read a gripper from TOML (see this module), or from the MJCF or URDF of its hand.
+
+    Args:
+        path: Ends in .toml, .xml or .urdf.
+        packages: Folders that a model may name files in, see `load_object`.
 
     Raises:
         InputError: The file cannot be used; the message names the field. See `gripper_from_model` for models.
@@ -79,7 +87,7 @@ def load_gripper(path: str | os.PathLike[str]) -> Gripper:
     file = Path(path)
     suffix = file.suffix.lower()
     if suffix in MODEL_SUFFIXES:
-        return gripper_from_model(file)
+        return gripper_from_model(file, packages=packages)
     if suffix != ".toml":
         raise InputError(f"gripper: expected .toml, .xml or .urdf, got {suffix!r}", path=file)
     try:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +29,7 @@ PAD_DEPTH = 1.5e-3
 """Metres behind the innermost surface that still belong to the pad: grooves of rubber, rounded tips."""
 
 ALIKE = 5e-3
-"""Metres by which the boxes around two mirrored fingers may differ."""
+"""Metres by which the boxes around two mirrored fingers may differ along the closing and the approach."""
 
 PARALLEL = 0.999
 """Cosine of the angle between joint axes that are parallel, 2.6 degrees."""
@@ -41,11 +41,11 @@ THINNEST = 2e-4
 def gripper_from_model(path: Path, *, packages: Mapping[str, Path] | None = None) -> Gripper:
     """Return the gripper that a robot description ends in.
 
-    Its two fingers are the bodies on the only two slide joints, which must be limited and parallel; the palm is what
-    carries them and is fixed to it. y is the axis of the joints, z the axis of the model's root that leads best from
-    the palm to the fingers, and the TCP lies in the middle of the pads, those slabs from the tip on that are innermost.
-    The flange is the origin of the body that carries the fingers, its axes those of the gripper; forces and mass are
-    `Gripper`'s defaults.
+    Its two fingers are the only two bodies on parallel slide joints of one palm, which is what carries them with all
+    that is fixed to it; the joints must be limited. y is the axis of the joints, z the axis of the model's root that
+    leads best from the palm to the fingers, and the TCP lies in the middle of the pads, those slabs from the tip on
+    that are innermost. The flange is the origin of the body that carries the fingers, its axes those of the gripper;
+    forces and mass are `Gripper`'s defaults.
 
     Args:
         path: MJCF or URDF.
@@ -76,38 +76,36 @@ def _bodies(path: Path, packages: Mapping[str, Path]) -> Sequence[Body]:
 
 
 def _gripper(name: str, bodies: Sequence[Body]) -> Gripper:
-    (first, joint), (second, other) = _sliding(bodies)
     groups = _rigid_groups(bodies)
-    carrier, other_carrier = bodies[first].parent, bodies[second].parent
-    if carrier is None or other_carrier is None or groups[carrier] != groups[other_carrier]:
-        raise InputError(f"joints {joint.name!r} and {other.name!r}: expected fingers on one palm")
-    palm = merged_piece("palm", _pieces(bodies, groups, groups[carrier], "the palm"))
+    (first, joint), (second, other) = _fingers(bodies, groups)
+    carrier = bodies[first].parent or 0
+    palm = merged_piece("palm", _pieces(bodies, groups, int(groups[carrier]), "the palm"))
     sides = [
         merged_piece("finger", _pieces(bodies, groups, i, f"the finger {bodies[i].name!r}")) for i in (first, second)
     ]
-    axes = _axes(palm.vertices, [side.vertices for side in sides], joint, other)
+    axes = _axes(palm.vertices, [side.vertices for side in sides], joint)
 
     # Both fingers wide open, the second one mirrored, so that both lie at +y of the plane between them.
     right = sides[0].vertices @ axes + [0.0, _furthest(joint, axes[:, 1]), 0.0]
     left = sides[1].vertices @ axes - [0.0, _furthest(other, -axes[:, 1]), 0.0]
     left[:, 1] *= -1.0
-    slabs = _slabs(right, sides[0].faces)
-    pad = _pad(slabs)
-    inner, inner_left = pad.low[1], _pad(_slabs(left, sides[1].faces)).low[1]
+    inner, inner_left = (
+        _pad(_slabs(points, side.faces)).low[1] for points, side in zip((right, left), sides, strict=True)
+    )
     stroke = float(inner + inner_left)
     if stroke <= 0:
         raise InputError("the fingers touch or overlap when they are open")
-    # Moved onto the other by the middle between them, mirrored fingers have the same box.
-    apart = np.array([0.0, inner - inner_left, 0.0])
-    difference = max(
-        np.abs(right.min(axis=0) - left.min(axis=0) - apart).max(),
-        np.abs(right.max(axis=0) - left.max(axis=0) - apart).max(),
-    )
+    # One finger turned by half about the approach is as usual as one mirrored: boxes hold both, laid on each other.
+    left[:, 1] += inner - inner_left
+    ends = [np.stack([points.min(axis=0), points.max(axis=0)])[:, 1:] for points in (right, left)]
+    difference = float(np.abs(ends[0] - ends[1]).max())
     if difference > ALIKE:
         raise InputError(f"the fingers are no mirror images of each other: they differ by {1000 * difference:.2g} mm")
+    slabs = _slabs(np.concatenate([right, left]), np.concatenate([sides[0].faces, sides[1].faces + len(right)]))
+    pad = _pad(slabs)
 
     center = (pad.low + pad.high) / 2.0
-    origin = np.array([center[0], inner, center[2]])
+    origin = np.array([center[0], pad.low[1], center[2]])
     tcp = np.array([center[0], (inner - inner_left) / 2.0, center[2]])
     boxes = [pad, *_joined([slab for slab in slabs if slab.high[2] <= pad.low[2]])]
     flange = np.eye(4)
@@ -121,22 +119,32 @@ def _gripper(name: str, bodies: Sequence[Body]) -> Gripper:
     )
 
 
-def _sliding(bodies: Sequence[Body]) -> list[tuple[int, Freedom]]:
-    """Return the two bodies that slide, and on which joints."""
-    slides = [(i, f) for i, body in enumerate(bodies) for f in body.freedoms if f.kind == "slide"]
-    if len(slides) != 2:
+def _fingers(bodies: Sequence[Body], groups: Ints) -> list[tuple[int, Freedom]]:
+    """Return the two bodies that slide on one palm along parallel axes, and their joints."""
+    slides = [(i, body.freedoms[0]) for i, body in enumerate(bodies) if [f.kind for f in body.freedoms] == ["slide"]]
+    pairs = [
+        [first, second]
+        for first, second in combinations(slides, 2)
+        if _palm(bodies, groups, first[0]) == _palm(bodies, groups, second[0]) is not None
+        and abs(np.asarray(first[1].axis) @ np.asarray(second[1].axis)) >= PARALLEL
+    ]
+    if len(pairs) != 1:
         hinges = sum(f.kind == "hinge" for body in bodies for f in body.freedoms)
         names = f" ({', '.join(f.name for _, f in slides)})" if slides else ""
         raise InputError(
-            f"expected two fingers on slide joints, found {len(slides)} slide{names} and {hinges} hinge joints; "
-            "describe grippers with linkages in a .toml file"
+            f"expected two fingers on parallel slide joints of one palm, found {len(pairs)} such pairs among "
+            f"{len(slides)} slide joints{names} and {hinges} hinges; describe grippers with linkages in a .toml file"
         )
-    for index, freedom in slides:
-        if len(bodies[index].freedoms) != 1:
-            raise InputError(f"finger {bodies[index].name!r}: expected one joint, found {len(bodies[index].freedoms)}")
+    for _, freedom in pairs[0]:
         if freedom.limits is None or not np.isfinite(freedom.limits).all() or np.ptp(freedom.limits) <= 0:
             raise InputError(f"joint {freedom.name!r}: expected limits, the stroke, got {freedom.limits}")
-    return slides
+    return pairs[0]
+
+
+def _palm(bodies: Sequence[Body], groups: Ints, finger: int) -> int | None:
+    """Return the group of bodies that carries a finger."""
+    carrier = bodies[finger].parent
+    return None if carrier is None else int(groups[carrier])
 
 
 def _rigid_groups(bodies: Sequence[Body]) -> Ints:
@@ -155,11 +163,9 @@ def _pieces(bodies: Sequence[Body], groups: Ints, group: int, what: str) -> list
     return pieces
 
 
-def _axes(palm: Floats, fingers: Sequence[Floats], joint: Freedom, other: Freedom) -> Floats:
+def _axes(palm: Floats, fingers: Sequence[Floats], joint: Freedom) -> Floats:
     """Return (3, 3) the gripper's axes in columns, in the model's root frame."""
-    y, second = np.asarray(joint.axis), np.asarray(other.axis)
-    if abs(y @ second) < PARALLEL:
-        raise InputError(f"joints {joint.name!r} and {other.name!r}: expected parallel axes")
+    y = np.asarray(joint.axis)
     centers = [(p.min(axis=0) + p.max(axis=0)) / 2.0 for p in (palm, *fingers)]
     if y @ (centers[1] - centers[2]) < 0:
         y = -y

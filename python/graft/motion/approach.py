@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from graft.checks import Floats
 from graft.errors import InputError
 from graft.grasp import Grasp, Support
-from graft.io import ObjectLike
+from graft.io import ObjectLike, as_object
 from graft.motion.config import MotionConfig
 from graft.motion.hand import DEFAULTS, checked_opening, plan_among
-from graft.motion.obstacles import World, metric_mesh, world_of
+from graft.motion.obstacles import metric_world
 from graft.motion.trajectory import Motion, checked_pose, no_motion, stamp
 
 STRAIGHT = 0.08
@@ -87,15 +87,13 @@ def plan_approach(
     for name, length in (("straight", straight), ("lift", lift)):
         if not (np.isfinite(length) and length >= 0):
             raise InputError(f"{name}: expected metres, at least 0, got {length}")
-    metric = metric_mesh(obj)
-    world = world_of(metric, support)
+    given = as_object(obj)
+    world = metric_world(given, support)
     before = end @ translation(np.array([0.0, 0.0, -straight]))
-    corners = np.concatenate([metric.bounds, begin[None, :3, 3], before[None, :3, 3]])
-    bounds = np.stack([corners.min(axis=0) - config.margin, corners.max(axis=0) + config.margin])
     direct = replace(config, max_iterations=0, clearance=min(STRAIGHT_CLEARANCE, config.clearance))
 
     def fly(start: Floats, goal: Floats, width: float, how: MotionConfig) -> Motion:
-        return plan_among(world, start[None], goal[None], grasp.gripper, width, bounds, how)[0]
+        return plan_among(world, start[None], goal[None], grasp.gripper, width, how)[0]
 
     openings = _openings(grasp, opening)
     ends = (fly(before, end, width, direct) for width in openings)
@@ -106,7 +104,7 @@ def plan_approach(
     transit = fly(begin, before, width, config)
     if not transit.found:
         return _unreached(width, f"to the pre-grasp: {transit.reason}", transit)
-    raised = _raised(end, metric.up if support is None else support.normal, lift)
+    raised = _raised(end, given.up if support is None else support.normal, lift)
     times = stamp(raised, config.linear_speed, config.angular_speed)
     return Approach(transit, end_leg, Motion(raised, times), width)
 

@@ -36,7 +36,7 @@ class MotionConfig:
     goal_bias: float = 0.05
     max_iterations: int = 5000
     time_limit: float | None = None
-    shortcuts: int = 50
+    shortcuts: int = 30
     margin: float = 0.3
     linear_speed: float = 0.5
     angular_speed: float = 0.8

@@ -9,9 +9,9 @@ from graft import _core
 from graft.checks import Floats
 from graft.errors import InputError
 from graft.grasp import Gripper, Support
-from graft.io import ObjectLike
+from graft.io import ObjectLike, as_object
 from graft.motion.config import MotionConfig
-from graft.motion.obstacles import World, metric_mesh, world_of
+from graft.motion.obstacles import World, metric_world, workspaces
 from graft.motion.trajectory import Motion, checked_pose, no_motion, stamp
 
 DEFAULTS = MotionConfig()
@@ -42,7 +42,7 @@ def plan_motion(
         The motion, or a motion without poses that says why there is none.
 
     Raises:
-        InputError: A pose is no rigid motion, the opening is beyond the stroke, or the object has no metres or faces.
+        InputError: A pose is no rigid motion, the opening is beyond the stroke, or the object's size is none in metres.
     """
     return plan_motions(obj, [start], [goal], gripper, support=support, opening=opening, config=config)[0]
 
@@ -75,15 +75,13 @@ def plan_motions(
     ends = _checked_poses("goal", goals)
     if len(begins) != len(ends):
         raise InputError(f"goals: expected one for each of {len(begins)} starts, got {len(ends)}")
-    metric = metric_mesh(obj)
     width = checked_opening(gripper, opening)
-    corners = np.concatenate([metric.bounds, begins[:, :3, 3], ends[:, :3, 3]])
-    bounds = np.stack([corners.min(axis=0) - config.margin, corners.max(axis=0) + config.margin])
-    return plan_among(world_of(metric, support), begins, ends, gripper, width, bounds, config)
+    world = metric_world(as_object(obj), support)
+    return plan_among(world, begins, ends, gripper, width, config)
 
 
 def plan_among(
-    world: World, starts: Floats, goals: Floats, gripper: Gripper, opening: float, bounds: Floats, config: MotionConfig
+    world: World, starts: Floats, goals: Floats, gripper: Gripper, opening: float, config: MotionConfig
 ) -> list[Motion]:
     """Plan among obstacles as the core reads them; arguments are checked, metres. See `plan_motions`."""
     boxes = gripper.boxes(opening)
@@ -92,7 +90,7 @@ def plan_among(
         box_centers=np.stack([box.center for box in boxes]),
         box_rotations=np.stack([box.rotation for box in boxes]),
         box_half_extents=np.stack([box.half_extents for box in boxes]),
-        bounds=bounds,
+        bounds=workspaces(world, starts, goals, config.margin),
         starts=starts,
         goals=goals,
         settings=config.settings,
@@ -121,9 +119,8 @@ def checked_opening(gripper: Gripper, opening: float | None) -> float:
     if opening is None:
         return gripper.stroke
     if not 0.0 <= opening <= gripper.stroke:
-        raise InputError(
-            f"opening: expected metres from 0 to the stroke {gripper.stroke:g} of gripper {gripper.name!r}, got {opening}"
-        )
+        stroke = f"the stroke {gripper.stroke:g} of gripper {gripper.name!r}"
+        raise InputError(f"opening: expected metres from 0 to {stroke}, got {opening}")
     return float(opening)
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from graft import _core
 from graft.checks import Floats, Ints, checked_array
 from graft.errors import InputError
 from graft.grasp import Support
-from graft.io import ObjectLike
+from graft.io import ObjectLike, as_object
 from graft.motion.config import MotionConfig
 from graft.motion.hand import DEFAULTS
-from graft.motion.obstacles import World, metric_mesh, plane_of, world_of
+from graft.motion.obstacles import World, metric_world, moved, nothing_but
 from graft.motion.trajectory import checked_pose
 
 FIXED, HINGE, SLIDE = 0, 1, 2
@@ -141,9 +141,7 @@ def world_around(obj: ObjectLike | None, T_world_object: ArrayLike, support: Sup
         InputError: `T_world_object` is no rigid motion; see also `graft.motion.plan_motion`.
     """
     pose = checked_pose("T_world_object", T_world_object)
-    if obj is None:
-        return np.empty((0, 3)), np.empty((0, 3), np.int64), plane_of(support)
-    return world_of(metric_mesh(obj).transformed(pose), support)
+    return nothing_but(support) if obj is None else moved(metric_world(as_object(obj), support), pose)
 
 
 def plan_joints(
@@ -198,7 +196,7 @@ def no_joint_motion(chain: Chain, reason: str, iterations: int = 0, nodes: int =
     return JointMotion(np.empty((0, chain.n_joints)), np.empty(0), reason, iterations, nodes, checks)
 
 
-def clear_joints(chain: Chain, world: World, joints: ArrayLike, slack: float) -> Floats:
+def clear_joints(chain: Chain, world: World, joints: ArrayLike, slack: float) -> NDArray[np.bool_]:
     """Return which joint values (n, j) keep every contact `slack` metres away: (n,) bool."""
     values = checked_array("joints", joints, (None, chain.n_joints))
     return _core.clear_arms(

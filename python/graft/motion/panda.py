@@ -20,7 +20,7 @@ QUARTER = float(np.sqrt(0.5))
 # Offsets and limits: Franka's data sheet (the Denavit-Hartenberg parameters of the control interface). Capsules: the
 # shape of the coarse collision model that Franka publishes for its arm.
 LINKS = (
-    ((0, 0, 0.333), (1, 0, 0, 0), (-2.8973, 2.8973), (((0, 0, -0.333), (0, 0, -0.05), 0.06),)),
+    ((0, 0, 0.333), (1, 0, 0, 0), (-2.8973, 2.8973), (((0, 0, -0.2), (0, 0, -0.05), 0.06),)),
     ((0, 0, 0), (QUARTER, -QUARTER, 0, 0), (-1.7628, 1.7628), (((0, 0, -0.06), (0, 0, 0.06), 0.06),)),
     ((0, -0.316, 0), (QUARTER, QUARTER, 0, 0), (-2.8973, 2.8973), (((0, 0, -0.22), (0, 0, -0.07), 0.06),)),
     ((0.0825, 0, 0), (QUARTER, QUARTER, 0, 0), (-3.0718, -0.0698), (((0, 0, -0.06), (0, 0, 0.06), 0.06),)),
@@ -41,6 +41,9 @@ LINKS = (
 
 BASE = (((-0.09, 0, 0.06), (0, 0, 0.06), 0.06),)
 """Capsules of the link that stands on the table."""
+
+OVERLAPPING = (("link0", "link1"), ("link1", "link3"))
+"""Links that cannot touch for their joints, though the capsules around them do."""
 
 FLANGE = 0.107
 """From the last joint to the flange, metres; the hand is mounted there, turned by -45 degrees about z."""
@@ -65,10 +68,12 @@ def panda_mjcf(gripper: Gripper = PANDA_HAND) -> str:
         f'forcerange="{-gripper.max_force:g} {gripper.max_force:g}"/>'
         for name in ("finger_right", "finger_left")
     ]
+    excludes = [f'<exclude body1="{one}" body2="{other}"/>' for one, other in OVERLAPPING]
     return (
         '<mujoco model="panda"><compiler angle="radian" autolimits="true"/><option integrator="implicitfast"/>'
         '<default><joint axis="0 0 1" armature="0.1" damping="1"/><geom rgba="0.85 0.85 0.87 1"/></default>'
         f'<worldbody><body name="link0">{_capsules(BASE)}{arm}</body></worldbody>'
+        f"<contact>{''.join(excludes)}</contact>"
         f"<actuator>{''.join(joints + fingers)}</actuator></mujoco>"
     )
 
@@ -87,8 +92,9 @@ def _hand(gripper: Gripper) -> str:
         return f'<body name="{name}" gravcomp="1">{joint}{boxes}</body>'
 
     return (
-        f'<body name="hand" pos="0 0 {FLANGE}" quat="{_text(turn)}" gravcomp="1"><body name="gripper" {tcp} gravcomp="1">'
-        f'<site name="{TCP_SITE}"/>{palm}{finger("finger_right", 1, right)}{finger("finger_left", -1, left)}</body></body>'
+        f'<body name="hand" pos="0 0 {FLANGE}" quat="{_text(turn)}" gravcomp="1">'
+        f'<body name="gripper" {tcp} gravcomp="1"><site name="{TCP_SITE}"/>{palm}'
+        f"{finger('finger_right', 1, right)}{finger('finger_left', -1, left)}</body></body>"
     )
 
 

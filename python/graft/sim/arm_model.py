@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from graft import _core
 from graft.checks import Floats, Ints, checked_array
 from graft.errors import InputError, MissingExtraError
 from graft.grasp import PANDA_HAND, Gripper
-from graft.motion.joints import FIXED, HINGE, SLIDE, Chain
+from graft.motion.joints import FIXED, HINGE, SLIDE, Chain, clear_joints
+from graft.motion.obstacles import nothing_but
 from graft.motion.panda import HOME, TCP_SITE, panda_mjcf
 
 UNLIMITED = np.pi
@@ -95,7 +95,7 @@ def load_arm(mjcf: str | Path, *, site: str, home: ArrayLike | None = None, name
             raise InputError(f"arm {name!r} joint {model.joint(j).name!r}: expected a hinge or a slide")
     start = checked_array("home", model.qpos0 if home is None else home, (model.njnt,))
     chain = _without_touching(_chain(mujoco, model), start)
-    carrying = []
+    carrying: list[int] = []
     body = int(model.site_bodyid[number])
     while body > 0:
         first = int(model.body_jntadr[body])
@@ -154,9 +154,7 @@ def _chain(mujoco: Any, model: Any) -> Chain:
     ]
     frames = [_frame(model.geom_pos[g], model.geom_quat[g]) for g in geoms]
     centers = [f[:3, :3] @ model.geom_aabb[g][:3] + f[:3, 3] for f, g in zip(frames, geoms, strict=True)]
-    limits = [
-        model.jnt_range[j] if model.jnt_limited[j] else (-UNLIMITED, UNLIMITED) for j in range(model.njnt)
-    ]
+    limits = [model.jnt_range[j] if model.jnt_limited[j] else (-UNLIMITED, UNLIMITED) for j in range(model.njnt)]
     moving = [k for k, g in enumerate(geoms) if model.body_weldid[model.geom_bodyid[g]] > 0]
     return Chain(
         parents=np.array(parents, np.int64),
@@ -195,13 +193,10 @@ def _pairs(model: Any, geoms: list[int]) -> Ints:
 def _without_touching(chain: Chain, joints: Floats) -> Chain:
     """Drop the pairs of boxes that overlap at `joints`."""
     alone = replace(chain, movers=np.empty(0, np.int64))
-    nothing = (np.empty((0, 3)), np.empty((0, 3), np.int64), None)
     kept = [
         pair
         for pair in chain.pairs
-        if _core.clear_arms(
-            world=nothing, links=alone.links, movers=alone.movers, pairs=pair[None], joints=joints[None], slack=0.0
-        )[0]
+        if clear_joints(replace(alone, pairs=pair[None]), nothing_but(None), joints[None], 0.0)[0]
     ]
     return replace(chain, pairs=np.array(kept, np.int64).reshape(-1, 2))
 

@@ -7,6 +7,7 @@ mod convert;
 mod descriptor;
 mod geometry;
 mod graph;
+mod grasp;
 mod motion;
 mod render;
 mod retrieve;
@@ -22,6 +23,8 @@ mod _core {
 
     #[pymodule_export]
     use super::descriptor::{describe_parts, descriptor_dim};
+    #[pymodule_export]
+    use super::grasp::{antipodal_grasps, gripper_collisions};
     #[pymodule_export]
     use super::motion::{arm_poses, clear_arms, plan_arms, plan_hands};
     #[pymodule_export]

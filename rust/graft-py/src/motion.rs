@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use graft_core::Error;
 use graft_core::geometry::{OrientedBox, Vec3, points_of};
+use graft_core::grasp::{HalfSpace, Surface};
 use graft_core::motion::{self, Chain, Contacts, Link, LinkBox, Motion, Obstacles, Options, Outcome, Plan, Pose};
 use numpy::ndarray::{Array1, Array2, Array3, Array4};
 use numpy::{
@@ -65,18 +66,33 @@ pub struct World<'py> {
     #[pyo3(item(1))]
     faces: PyReadonlyArray2<'py, i64>,
     #[pyo3(item(2))]
+    points: PyReadonlyArray2<'py, f64>,
+    #[pyo3(item(3))]
+    radii: PyReadonlyArray1<'py, f64>,
+    #[pyo3(item(4))]
     support: Option<[f64; 4]>,
 }
 
 impl World<'_> {
-    fn obstacles(&self) -> PyResult<Obstacles> {
+    fn surface(&self) -> PyResult<Surface<'_>> {
         shape("vertices", &self.vertices, &[None, Some(3)])?;
         shape("faces", &self.faces, &[None, Some(3)])?;
-        let vertices = finite("vertices", &self.vertices)?;
-        let faces = slice("faces", &self.faces)?;
-        let support = self.support.map(|[x, y, z, offset]| (Vec3::new(x, y, z), offset));
-        Obstacles::new(vertices, faces, support).map_err(|error| to_py(&error))
+        shape("points", &self.points, &[None, Some(3)])?;
+        Ok(Surface {
+            vertices: finite("vertices", &self.vertices)?,
+            faces: slice("faces", &self.faces)?,
+            points: finite("points", &self.points)?,
+            radii: finite("radii", &self.radii)?,
+        })
     }
+
+    fn plane(&self) -> Option<HalfSpace> {
+        self.support.map(|[x, y, z, offset]| HalfSpace { normal: Vec3::new(x, y, z), offset })
+    }
+}
+
+fn obstacles(surface: &Surface<'_>, support: Option<HalfSpace>) -> Result<Obstacles, Error> {
+    Ok(Obstacles { object: surface.collider()?, support })
 }
 
 /// An arm as it crosses the border.
@@ -95,7 +111,7 @@ pub struct Links<'py> {
     #[pyo3(item(5))]
     limits: PyReadonlyArray2<'py, f64>,
     #[pyo3(item(6))]
-    box_links: PyReadonlyArray1<'py, i64>,
+    carriers: PyReadonlyArray1<'py, i64>,
     #[pyo3(item(7))]
     box_centers: PyReadonlyArray2<'py, f64>,
     #[pyo3(item(8))]
@@ -127,8 +143,8 @@ impl Links<'_> {
         });
         let links = links.collect::<PyResult<Vec<Link>>>()?;
         let shapes = boxes(&self.box_centers, &self.box_rotations, &self.box_half_extents)?;
-        shape("box_links", &self.box_links, &[Some(shapes.len())])?;
-        let on = indices("box_links", slice("box_links", &self.box_links)?)?;
+        shape("box_links", &self.carriers, &[Some(shapes.len())])?;
+        let on = indices("box_links", slice("box_links", &self.carriers)?)?;
         let on_links = on.into_iter().zip(shapes).map(|(link, shape)| LinkBox { link, shape }).collect();
         let (limits, _) = finite("limits", &self.limits)?.as_chunks::<2>();
         Chain::new(links, on_links, limits.iter().map(|l| (l[0], l[1])).collect()).map_err(|error| to_py(&error))
@@ -219,19 +235,20 @@ pub fn plan_hands<'py>(
     box_centers: PyReadonlyArray2<'py, f64>,
     box_rotations: PyReadonlyArray3<'py, f64>,
     box_half_extents: PyReadonlyArray2<'py, f64>,
-    bounds: PyReadonlyArray2<'py, f64>,
+    bounds: PyReadonlyArray3<'py, f64>,
     starts: PyReadonlyArray3<'py, f64>,
     goals: PyReadonlyArray3<'py, f64>,
     settings: Settings,
 ) -> PyResult<(Bound<'py, PyArray3<f64>>, Rows<'py>)> {
-    shape("bounds", &bounds, &[Some(2), Some(3)])?;
-    let corners = points_of(finite("bounds", &bounds)?);
+    shape("bounds", &bounds, &[None, Some(2), Some(3)])?;
+    let corners: Vec<[Vec3; 2]> =
+        points_of(finite("bounds", &bounds)?).chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
     let hand = boxes(&box_centers, &box_rotations, &box_half_extents)?;
     let (starts, goals) = (poses("starts", &starts)?, poses("goals", &goals)?);
     let options = settings.options()?;
-    let obstacles = world.obstacles()?;
+    let (surface, plane) = (world.surface()?, world.plane());
     let plans = py
-        .detach(|| motion::plan_hands(&obstacles, &hand, [corners[0], corners[1]], &starts, &goals, &options))
+        .detach(|| motion::plan_hands(&obstacles(&surface, plane)?, &hand, &corners, &starts, &goals, &options))
         .map_err(|error| to_py(&error))?;
     let path: Vec<f64> = plans.iter().flat_map(|plan| &plan.path).flat_map(Pose::to_rows).collect();
     let path = Array3::from_shape_vec((path.len() / 16, 4, 4), path).map_err(unshaped)?;
@@ -256,9 +273,9 @@ pub fn plan_arms<'py>(
     let contacts = contacts(&movers, &pairs)?;
     let (starts, goals) = (values("starts", &starts)?, values("goals", &goals)?);
     let options = settings.options()?;
-    let obstacles = world.obstacles()?;
+    let (surface, plane) = (world.surface()?, world.plane());
     let plans = py
-        .detach(|| motion::plan_arms(&obstacles, &chain, &contacts, &starts, &goals, &options))
+        .detach(|| motion::plan_arms(&obstacles(&surface, plane)?, &chain, &contacts, &starts, &goals, &options))
         .map_err(|error| to_py(&error))?;
     let path: Vec<f64> = plans.iter().flat_map(|plan| &plan.path).flatten().copied().collect();
     let joints = chain.limits().len();
@@ -282,9 +299,9 @@ pub fn clear_arms<'py>(
     let chain = links.chain()?;
     let contacts = contacts(&movers, &pairs)?;
     let joints = values("joints", &joints)?;
-    let obstacles = world.obstacles()?;
+    let (surface, plane) = (world.surface()?, world.plane());
     let clear = py
-        .detach(|| motion::clear_arms(&obstacles, &chain, &contacts, &joints, slack))
+        .detach(|| motion::clear_arms(&obstacles(&surface, plane)?, &chain, &contacts, &joints, slack))
         .map_err(|error| to_py(&error))?;
     Ok(Array1::from_vec(clear).into_pyarray(py))
 }

@@ -62,6 +62,7 @@ class AnyGraspPlanner:
         dense_grasp: Very many predictions, for crowded scenes; slower and worse.
         collision_detection: The SDK's own check against the points.
         radius: Metres from the contact that still count.
+        check_collisions: Whether grasps in which our boxes of the gripper hit the object are left out.
     """
 
     checkpoint_path: str | Path
@@ -71,6 +72,7 @@ class AnyGraspPlanner:
     dense_grasp: bool = False
     collision_detection: bool = True
     radius: float = NEAR
+    check_collisions: bool = True
     _nets: dict[float, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def plan(
@@ -84,7 +86,7 @@ class AnyGraspPlanner:
         k: int = 20,
         seed: int = 0,
     ) -> GraspSet:
-        """Return the k best grasps that AnyGrasp finds near the contact, on the part and above the support.
+        """Return the k best grasps that AnyGrasp finds near the contact, on the part, clear of support and object.
 
         Args:
             obj: In metres.
@@ -106,7 +108,16 @@ class AnyGraspPlanner:
             seen = from_graspnet_rows(rows, gripper, path=Path("AnyGrasp"))
             found.append(seen.transformed(rigid_inverse(T_camera_object)))
         grasps = replace(GraspSet.concatenate(found), metadata={"planner": "anygrasp", "seed": seed})
-        return selected(grasps, obj, contact, part=part, support=support, k=k, radius=self.radius)
+        return selected(
+            grasps,
+            obj,
+            contact,
+            part=part,
+            support=support,
+            k=k,
+            radius=self.radius,
+            check_collisions=self.check_collisions,
+        )
 
     def _detector(self, gripper: Gripper) -> Any:
         """Return the loaded network for grippers as wide as this."""

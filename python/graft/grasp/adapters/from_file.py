@@ -20,10 +20,12 @@ class FilePlanner:
     Attributes:
         path: The file; its poses are in the object's frame, metres.
         radius: Metres from the contact that still count.
+        check_collisions: Whether grasps in which our boxes of the gripper hit the object are left out.
     """
 
     path: str | Path
     radius: float = NEAR
+    check_collisions: bool = True
 
     def plan(
         self,
@@ -36,7 +38,7 @@ class FilePlanner:
         k: int = 20,
         seed: int = 0,
     ) -> GraspSet:
-        """Return the k best grasps of the file that are near the contact, on the part and above the support.
+        """Return the k best grasps of the file near the contact, on the part, clear of support and object.
 
         Args:
             obj: In metres.
@@ -52,5 +54,14 @@ class FilePlanner:
         """
         grasps = load_grasps(self.path, gripper)
         made = {"planner": "file", "file": str(self.path), **grasps.metadata}
-        found = selected(grasps, obj, contact, part=part, support=support, k=k, radius=self.radius)
+        found = selected(
+            grasps,
+            obj,
+            contact,
+            part=part,
+            support=support,
+            k=k,
+            radius=self.radius,
+            check_collisions=self.check_collisions,
+        )
         return replace(found, metadata=made)

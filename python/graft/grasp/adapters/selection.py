@@ -1,4 +1,4 @@
-"""Which grasps of somebody else are for what was asked: near the contact, on the part, above the support."""
+"""Which grasps of somebody else are for what was asked: near the contact, on the part, clear of support and object."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from graft.checks import Floats, Ints
 from graft.graph import build_graph
+from graft.grasp.collision import gripper_collisions
 from graft.grasp.grasps import GraspSet
 from graft.grasp.gripper import Gripper
 from graft.grasp.metric import Support
@@ -17,6 +18,9 @@ from graft.objects import Contact, PartObject
 
 NEAR = 0.02
 """Metres from the contact within which a grasp still takes the object there: about the size of a pad."""
+
+CLEARANCE = 0.005
+"""Metres that each pad stays away from what it will close on, as the gripper arrives."""
 
 
 def selected(
@@ -28,6 +32,7 @@ def selected(
     support: Support | None,
     k: int,
     radius: float = NEAR,
+    check_collisions: bool = True,
 ) -> GraspSet:
     """Return the k best grasps that are for what was asked, without near repeats; `rejected` counts the others.
 
@@ -39,6 +44,8 @@ def selected(
         support: Grasps in which the open gripper goes below it are left out.
         k: How many at most.
         radius: Metres.
+        check_collisions: Whether grasps in which the gripper, open by `CLEARANCE` on either side, touches the object
+            are left out.
     """
     rejected = dict(grasps.rejected)
     if contact is not None:
@@ -57,6 +64,9 @@ def selected(
         keep(_nearest_part(obj, grasps.poses[:, :3, 3]) == obj.part_index(part), "on another part")
     if support is not None and len(grasps):
         keep(_lowest(grasps, grasps.gripper, support) >= 0.0, "below the support")
+    if check_collisions and len(grasps):
+        opening = np.minimum(grasps.widths + 2.0 * CLEARANCE, grasps.gripper.stroke)
+        keep(~gripper_collisions(obj, grasps.gripper, grasps.poses, opening), "the gripper hits the object")
     kept = grasps.nms()
     if len(kept) < len(grasps):
         rejected["like a better one"] = len(grasps) - len(kept)

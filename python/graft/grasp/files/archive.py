@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -46,9 +47,18 @@ def write_archive(path: Path, grasps: GraspSet) -> None:
     arrays: dict[str, Any] = {name: getattr(grasps, name) for name in SHAPES}
     arrays |= {TERM + name: term for name, term in grasps.terms.items()}
     arrays["metadata"] = np.frombuffer(json.dumps(words, allow_nan=False).encode(), np.uint8)
+    write_whole(path, _npz(arrays))
+
+
+def _npz(arrays: dict[str, Any]) -> bytes:
+    """Return the bytes of an .npz archive; `np.savez` would write the time of day into it."""
     buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, **arrays)
-    write_whole(path, buffer.getvalue())
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, array in arrays.items():
+            member = io.BytesIO()
+            np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
+            archive.writestr(zipfile.ZipInfo(f"{name}.npy"), member.getvalue(), zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()
 
 
 def read_archive(path: Path) -> GraspSet:

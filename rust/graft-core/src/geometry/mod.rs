@@ -3,6 +3,7 @@
 pub mod affine;
 pub mod chamfer;
 pub mod corners;
+pub mod crossing;
 pub mod flush;
 pub mod frame;
 pub mod gap;

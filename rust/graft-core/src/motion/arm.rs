@@ -7,6 +7,7 @@ use super::chain::Chain;
 use super::obstacles::Obstacles;
 use super::space::Space;
 use crate::geometry::boxes_overlap;
+use crate::grasp::Pose;
 
 /// A chain, what it must not touch, and which of its boxes must not touch each other.
 #[derive(Debug)]
@@ -39,7 +40,8 @@ impl Space for Arm<'_> {
 
     fn clear(&self, q: &Vec<f64>, slack: f64) -> bool {
         let boxes = self.chain.placed(q, slack);
-        self.movers.iter().all(|&i| !self.obstacles.touches(&boxes[i]))
+        let still = Pose::identity();
+        self.movers.iter().all(|&i| !self.obstacles.touched_by(&boxes[i..=i], &still, 0.0))
             && self.pairs.iter().all(|&(i, j)| !boxes_overlap(&boxes[i], &boxes[j]))
     }
 }

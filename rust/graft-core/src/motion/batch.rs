@@ -10,25 +10,29 @@ use super::space::Space;
 use crate::Error;
 use crate::geometry::{OrientedBox, Vec3};
 
-/// Plan from each start to the goal of the same index with a hand made of `boxes`, whose origin stays in `bounds`.
+/// Plan from each start to the goal of the same index with a hand made of `boxes`, whose origin
+/// is sampled in the bounds of the same index.
 ///
 /// # Errors
 /// Options out of range, or as many starts as goals there are not.
 pub fn plan_hands(
     obstacles: &Obstacles,
     boxes: &[OrientedBox],
-    bounds: [Vec3; 2],
+    bounds: &[[Vec3; 2]],
     starts: &[Pose],
     goals: &[Pose],
     options: &Options,
 ) -> Result<Vec<Plan<Pose>>, Error> {
     check(starts.len(), goals.len(), options)?;
+    if bounds.len() != starts.len() {
+        return Err(Error::shape("bounds", format!("one for each of {} starts", starts.len()), bounds.len()));
+    }
     let radius = reach(boxes);
-    let run = |(start, goal): (&Pose, &Pose)| {
-        let hand = Hand { boxes, obstacles, bounds, ends: [*start, *goal], radius };
+    let run = |((start, goal), bounds): ((&Pose, &Pose), &[Vec3; 2])| {
+        let hand = Hand { boxes, obstacles, bounds: *bounds, ends: [*start, *goal], radius };
         plan(&hand, start, goal, options)
     };
-    Ok(starts.iter().zip(goals).map(run).collect())
+    Ok(starts.iter().zip(goals).zip(bounds).map(run).collect())
 }
 
 /// What an arm may not do: touch obstacles with some boxes, or some pairs of its boxes with each other.

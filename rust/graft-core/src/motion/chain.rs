@@ -2,7 +2,7 @@
 
 use nalgebra::UnitQuaternion;
 
-use super::pose::{Pose, placed};
+use super::pose::Pose;
 use crate::Error;
 use crate::geometry::{OrientedBox, Vec3};
 
@@ -131,10 +131,10 @@ impl Chain {
     /// Where each box is at the joint values `q`, grown by `slack` metres on every side.
     #[must_use]
     pub fn placed(&self, q: &[f64], slack: f64) -> Vec<OrientedBox> {
-        let frames: Vec<_> = self.poses(q).iter().map(|p| (p.matrix(), p.position)).collect();
+        let frames: Vec<_> = self.poses(q).iter().map(Pose::rigid).collect();
         let place = |b: &LinkBox| {
-            let (turn, position) = &frames[b.link];
-            placed(&b.shape, turn, position, slack)
+            let placed = frames[b.link].place(&b.shape);
+            OrientedBox { half_extents: placed.half_extents.map(|h| h + slack), ..placed }
         };
         self.boxes.iter().map(place).collect()
     }

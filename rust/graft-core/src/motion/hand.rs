@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::obstacles::Obstacles;
-use super::pose::{Pose, placed, random_rotation};
+use super::pose::{Pose, random_rotation};
 use super::space::Space;
 use crate::geometry::{OrientedBox, Vec3};
 
@@ -61,7 +61,6 @@ impl Space for Hand<'_> {
     }
 
     fn clear(&self, pose: &Pose, slack: f64) -> bool {
-        let turn = pose.matrix();
-        self.boxes.iter().all(|b| !self.obstacles.touches(&placed(b, &turn, &pose.position, slack)))
+        !self.obstacles.touched_by(self.boxes, &pose.rigid(), slack)
     }
 }

@@ -4,12 +4,13 @@ use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use crate::geometry::{OrientedBox, Vec3};
+use crate::geometry::Vec3;
+use crate::grasp;
 
 /// Below this angle, in radians of the quaternions' sphere, sines are proportional to their angles to the last bit.
 const SMALL_ANGLE: f64 = 1e-8;
 
-/// A rotation followed by a translation.
+/// A rotation followed by a translation; the rotation as a quaternion, which interpolates (see [`grasp::Pose`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Where the origin goes, metres.
@@ -57,6 +58,12 @@ impl Pose {
         *self.rotation.to_rotation_matrix().matrix()
     }
 
+    /// The same motion with its rotation as a matrix.
+    #[must_use]
+    pub fn rigid(&self) -> grasp::Pose {
+        grasp::Pose { rotation: self.matrix(), translation: self.position }
+    }
+
     /// Angle of the turn from one rotation to the other, in [0, pi].
     #[must_use]
     pub fn angle_to(&self, other: &Self) -> f64 {
@@ -88,14 +95,4 @@ pub fn random_rotation(random: &mut Pcg64) -> UnitQuaternion<f64> {
     let (first, second) = (std::f64::consts::TAU * v, std::f64::consts::TAU * w);
     let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
     UnitQuaternion::new_normalize(Quaternion::new(b * second.cos(), a * first.sin(), a * first.cos(), b * second.sin()))
-}
-
-/// A box turned, moved and grown by `slack` on every side.
-#[must_use]
-pub fn placed(b: &OrientedBox, turn: &Matrix3<f64>, position: &Vec3, slack: f64) -> OrientedBox {
-    OrientedBox {
-        center: turn * b.center + position,
-        axes: b.axes.map(|axis| turn * axis),
-        half_extents: b.half_extents.map(|h| h + slack),
-    }
 }

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::edges::edge_free;
-use super::shortcut::shortcut;
+use super::shortcut::{prune, shortcut};
 use super::space::Space;
 use crate::Error;
 
@@ -214,7 +214,12 @@ pub fn plan<S: Space>(space: &S, start: &S::State, goal: &S::State, options: &Op
             plan.path.reverse();
             // Both branches end where the trees met.
             plan.path.extend(trees[1].branch(on_goal).into_iter().skip(1));
-            shortcut(space, &mut plan.path, options.shortcuts, options.clearance, &mut random, &mut search.checks);
+            if options.shortcuts > 0 {
+                let (path, checks) = (&mut plan.path, &mut search.checks);
+                prune(space, path, options.clearance, checks);
+                shortcut(space, path, options.shortcuts, options.clearance, &mut random, checks);
+                prune(space, path, options.clearance, checks);
+            }
             plan.outcome = Outcome::Found;
             break;
         }

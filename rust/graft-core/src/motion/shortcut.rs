@@ -9,6 +9,18 @@ use super::space::Space;
 /// A shortcut must save this share of the path between its ends: rounding saves less.
 const LEAST_SAVING: f64 = 1e-6;
 
+/// Drop every vertex whose neighbours see each other; by the triangle inequality no path becomes longer.
+pub fn prune<S: Space>(space: &S, path: &mut Vec<S::State>, clearance: f64, checks: &mut usize) {
+    let mut at = 1;
+    while at + 1 < path.len() {
+        if edge_free(space, &path[at - 1], &path[at + 1], clearance, checks) {
+            path.remove(at);
+        } else {
+            at += 1;
+        }
+    }
+}
+
 /// Try `attempts` random shortcuts between two places of the path, vertices or not; keep those that are free and shorter.
 pub fn shortcut<S: Space>(
     space: &S,

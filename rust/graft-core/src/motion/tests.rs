@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 
 use super::*;
 use crate::geometry::{OrientedBox, Vec3};
+use crate::grasp::Collider;
 use edges::edge_free;
 
 /// A disc in the unit square with a wall along x = 0.5 that has a gap.
@@ -122,6 +123,10 @@ fn corners(b: &OrientedBox) -> [Vec3; 8] {
     })
 }
 
+fn nothing() -> Obstacles {
+    Obstacles { object: Collider::new(&[], &[]), support: None }
+}
+
 /// Two hinges and a slide, anchors off the links' origins.
 fn chain() -> Chain {
     let rest = |x: f64, y: f64, z: f64| Pose {
@@ -164,7 +169,7 @@ proptest! {
         a in (-2.0..2.0, -0.2..0.4, -3.0..3.0), b in (-2.0..2.0, -0.2..0.4, -3.0..3.0),
     ) {
         let chain = chain();
-        let obstacles = Obstacles::new(&[], &[], None).unwrap();
+        let obstacles = nothing();
         let arm = Arm { chain: &chain, obstacles: &obstacles, movers: &[], pairs: &[] };
         let (a, b): ([f64; 3], [f64; 3]) = (a.into(), b.into());
         let (a, b) = (a.to_vec(), b.to_vec());
@@ -182,7 +187,7 @@ proptest! {
             axes: [Vec3::x(), Vec3::y(), Vec3::z()],
             half_extents: [0.02, 0.1, 0.05],
         }];
-        let obstacles = Obstacles::new(&[], &[], None).unwrap();
+        let obstacles = nothing();
         let bounds = [Vec3::zeros(); 2];
         let hand = Hand { boxes: &boxes, obstacles: &obstacles, bounds, ends: [a, b], radius: reach(&boxes) };
         for c in corners(&boxes[0]) {
