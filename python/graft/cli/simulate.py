@@ -17,6 +17,7 @@ from graft.grasp import GraspSet, find_gripper, load_grasps
 from graft.grasp.planner import plan_grasps
 from graft.objects import PartObject
 from graft.sim import Job, PreparedObject, SimulationConfig, Trial, prepare, simulate_grasps
+from graft.sim.engine import choose_gl
 from graft.sim.pictures import save_trial, view_trial
 
 PICTURES = (".png", ".mp4")
@@ -79,6 +80,7 @@ class Simulate(GraspCommand):
             timeout=self.timeout,
             seed=self.seed,
         )
+        choose_gl()  # an MJCF target is read by mujoco
         target = self.loading.load(self.target)
         prepared = prepare(target, config)
         grasps = self._grasps(target, prepared)
