@@ -39,5 +39,7 @@ def channel(wide: float = 0.1, tall: float = 0.08, wall: float = 0.02, deep: flo
     cap = np.array([(0, 5, 7), (5, 6, 7), (0, 1, 4), (0, 4, 5), (1, 2, 4), (2, 3, 4)])
     i, j = np.arange(8), (np.arange(8) + 1) % 8
     sides = np.vstack([np.stack([i, i + 8, j], axis=1), np.stack([j, i + 8, j + 8], axis=1)])
-    mesh = trimesh.Trimesh(np.vstack([front, front + np.array((0, deep, 0))]), np.vstack([cap, cap[:, ::-1] + 8, sides]))
+    mesh = trimesh.Trimesh(
+        np.vstack([front, front + np.array((0, deep, 0))]), np.vstack([cap, cap[:, ::-1] + 8, sides])
+    )
     return mesh_object("channel", mesh)

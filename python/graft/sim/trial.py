@@ -92,7 +92,7 @@ def run_trial(
     watch: Watch | None = None,
     scene: CompiledScene | None = None,
 ) -> Trial:
-    """Try a grasp; as `simulate_grasp`, with a `watch` that sees every `CHUNK` steps and may bring a scene with looks."""
+    """Try a grasp as `simulate_grasp` does; `watch` sees the scene every `CHUNK` steps, `scene` may have looks."""
     started = time.perf_counter()
     _check_grasp(grasp, config)
     T_world_object = checked_array("pose", prepared.T_world_object if pose is None else pose, (4, 4))
