@@ -29,7 +29,8 @@ def main():
     print(f"load average {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     jobs, total = [], 0.0
     print(
-        f"{'object':<14}{'pieces':>7}{'prepare s':>11}{'trial ms':>10}{'CPU ms':>8}{'steps/CPU s':>12}{'drawn ms':>10}  outcome"
+        f"{'object':<14}{'pieces':>7}{'prepare s':>11}{'trial ms':>10}{'CPU ms':>8}{'steps/CPU s':>12}"
+        f"{'drawn ms':>10}  outcome"
     )
     for category in CATEGORIES:
         shown = zoo.demonstration(category, 1)
@@ -48,14 +49,13 @@ def main():
         trial_panels(prepared, trials[0])
         drawn = time.perf_counter() - start
         print(
-            f"{category:<14}{len(prepared.body.pieces):>7}{ready:>11.2f}{1e3 * seconds:>10.1f}{1e3 * used:>8.1f}{rate:>12.0f}"
-            f"{1e3 * drawn:>10.0f}  {trials[0].outcome.value}"
+            f"{category:<14}{len(prepared.body.pieces):>7}{ready:>11.2f}{1e3 * seconds:>10.1f}{1e3 * used:>8.1f}"
+            f"{rate:>12.0f}{1e3 * drawn:>10.0f}  {trials[0].outcome.value}"
         )
         poses = random_poses(prepared, arguments.trials, 1)
         jobs += [Job(f"{category}/{i}", prepared, grasp, pose=pose) for i, pose in enumerate(poses)]
-    print(
-        f"mean {1e3 * total / len(CATEGORIES):.1f} ms of CPU a trial: {3600 * len(CATEGORIES) / total:,.0f} an hour a core"
-    )
+    mean = total / len(CATEGORIES)
+    print(f"mean {1e3 * mean:.1f} ms of CPU a trial: {3600 / mean:,.0f} an hour and core")
     first = []
     trials = simulate_grasps(jobs, workers=arguments.workers, progress=lambda *_: first.append(time.perf_counter()))
     # The first call comes before the pool starts, the second with the first trial.
