@@ -24,7 +24,7 @@ class SimulationConfig:
         mass: Of the object, kilograms, spread evenly.
         gravity: Metres per second squared, downwards.
         timestep: Seconds.
-        impratio: How much stiffer friction is than the normal force; 1 lets held objects creep, 100 sinks pads into walls.
+        impratio: How much stiffer friction is than the normal force; at 1 what is held creeps, at 100 pads sink in.
         condim: Dimensions of a contact: 3 slides, 4 also twists, 6 also rolls.
         contact_solref: Time constant in seconds and damping ratio of contacts.
         contact_solimp: Lowest and highest impedance, and the width in metres between them.

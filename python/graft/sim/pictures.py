@@ -19,7 +19,7 @@ from graft.objects import Floats
 from graft.sim.compiled import CompiledScene
 from graft.sim.engine import has_display, load_mujoco
 from graft.sim.outcome import Trial
-from graft.sim.prepare import PreparedObject
+from graft.sim.prepared import PreparedObject
 from graft.sim.trial import CHUNK, run_trial
 
 Image = NDArray[np.uint8]

@@ -20,7 +20,7 @@ from graft.sim.compiled import CompiledScene, compiled_scene
 from graft.sim.config import SimulationConfig
 from graft.sim.outcome import Measurements, Outcome, Trial
 from graft.sim.poses import displacement
-from graft.sim.prepare import PreparedObject, prepare
+from graft.sim.prepared import PreparedObject, prepare
 from graft.sim.scene import CLOSED_TARGET
 
 CHUNK = 5
