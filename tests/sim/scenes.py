@@ -31,8 +31,15 @@ def grasp(place: ArrayLike, approach: ArrayLike = DOWN, closing: ArrayLike = ALO
     return Grasp(pose, 0.05, 1.0, np.zeros((2, 3)), 0.0, PANDA_HAND)
 
 
-def tube(outer: float, inner: float, height: float) -> PartObject:
-    """Return an upright pipe: closed, concave, without sweeps."""
-    mesh = trimesh.creation.annulus(r_min=inner, r_max=outer, height=height)
-    mesh.apply_translation((0, 0, height / 2))
-    return mesh_object("pipe", mesh)
+def channel(wide: float = 0.1, tall: float = 0.08, wall: float = 0.02, deep: float = 0.05) -> PartObject:
+    """Return a U of walls, open upwards: closed, concave, without sweeps."""
+    w, h, t = wide / 2, tall, wall
+    outline = [(-w, 0), (w, 0), (w, h), (w - t, h), (w - t, t), (t - w, t), (t - w, h), (-w, h)]
+    front = np.array([(x, -deep / 2, z) for x, z in outline])
+    cap = np.array([(0, 5, 7), (5, 6, 7), (0, 1, 4), (0, 4, 5), (1, 2, 4), (2, 3, 4)])
+    i, j = np.arange(8), (np.arange(8) + 1) % 8
+    sides = np.vstack([np.stack([i, i + 8, j], axis=1), np.stack([j, i + 8, j + 8], axis=1)])
+    mesh = trimesh.Trimesh(
+        np.vstack([front, front + np.array((0, deep, 0))]), np.vstack([cap, cap[:, ::-1] + 8, sides])
+    )
+    return mesh_object("channel", mesh)

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from scenes import tube
+from scenes import channel
 from test_pieces import outside
 
 from graft.errors import InputError, MissingExtraError
+from graft.objects import Floats
 from graft.sim.capping import capped, enclosed
 from graft.sim.decompose import DecompositionConfig, decompose
 from graft.sim.pieces import collision_pieces
@@ -20,20 +21,19 @@ QUICK = DecompositionConfig(mcts_nodes=4, mcts_iterations=10, mcts_max_depth=1)
 
 
 @pytest.fixture
-def pipe_pieces(tmp_path: Path):
+def channel_pieces(tmp_path: Path) -> tuple[Floats, ...]:
     pytest.importorskip("coacd")
-    return collision_pieces(tube(0.04, 0.034, 0.1), QUICK, cache=tmp_path)
+    return collision_pieces(channel(), QUICK, cache=tmp_path)
 
 
-def test_a_pipe_is_covered_and_stays_open(pipe_pieces) -> None:
-    pipe = tube(0.04, 0.034, 0.1)
-    assert outside(pipe.parts[0].vertices, pipe_pieces).max() < 1.5e-3
-    assert outside(np.array([(0.0, 0, z) for z in (0.01, 0.05, 0.09)]), pipe_pieces).min() > 0.015
+def test_a_channel_is_covered_and_stays_open(channel_pieces: tuple[Floats, ...]) -> None:
+    assert outside(channel().parts[0].vertices, channel_pieces).max() < 1e-3
+    assert outside(np.array([(0.0, 0, z) for z in (0.04, 0.06, 0.079)]), channel_pieces).min() > 0.01
 
 
 def test_the_second_time_comes_from_the_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("coacd")
-    part = tube(0.04, 0.034, 0.1).parts[0]
+    part = channel().parts[0]
     first = decompose(part.vertices, part.faces, QUICK, cache=tmp_path)
     monkeypatch.setitem(sys.modules, "coacd", None)
     second = decompose(part.vertices, part.faces, QUICK, cache=tmp_path)
@@ -48,9 +48,9 @@ def test_the_second_time_comes_from_the_cache(tmp_path: Path, monkeypatch: pytes
 
 def test_a_folder_that_cannot_be_written_is_done_without(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("coacd")
-    part = tube(0.04, 0.034, 0.1).parts[0]
+    part = channel().parts[0]
     (tmp_path / "pieces").write_text("in the way")
-    assert len(decompose(part.vertices, part.faces, QUICK, cache=tmp_path)) > 4
+    assert len(decompose(part.vertices, part.faces, QUICK, cache=tmp_path)) > 1
     assert "are not kept" in capsys.readouterr().err
 
 

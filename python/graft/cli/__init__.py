@@ -20,6 +20,7 @@ VERBS = {
     "match": ("MatchCommand", "Match one object against another and print the transport plan."),
     "transfer": ("TransferCommand", "Transfer a contact from a library of demonstrations to an object."),
     "grasp": ("GraspCommand", "Plan grasps of an object near a contact, on a part, or anywhere."),
+    "simulate": ("Simulate", "Try grasps of an object in physics; pictures, films, JSON."),
     "evaluate": ("Evaluate", "Measure transferred contacts: affordance, ablation, diversity."),
 }
 """Verb -> (class in graft.cli.<verb>, one line of help)."""

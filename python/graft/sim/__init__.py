@@ -5,7 +5,7 @@ from graft.sim.decompose import DecompositionConfig
 from graft.sim.outcome import Measurements, Outcome, Trial
 from graft.sim.pieces import collision_pieces
 from graft.sim.poses import RestingPose
-from graft.sim.prepare import PreparedObject, prepare, random_poses, resting_poses
+from graft.sim.prepared import PreparedObject, prepare, random_poses, resting_poses
 from graft.sim.runner import Job, simulate_grasps
 from graft.sim.simulator import MujocoSimulator, Simulator
 from graft.sim.trial import simulate_grasp

@@ -24,7 +24,7 @@ class SimulationConfig:
         mass: Of the object, kilograms, spread evenly.
         gravity: Metres per second squared, downwards.
         timestep: Seconds.
-        impratio: How much stiffer friction is than the normal force; 1 lets held objects creep, 100 sinks pads into walls.
+        impratio: How much stiffer friction is than the normal force; at 1 what is held creeps, at 100 pads sink in.
         condim: Dimensions of a contact: 3 slides, 4 also twists, 6 also rolls.
         contact_solref: Time constant in seconds and damping ratio of contacts.
         contact_solimp: Lowest and highest impedance, and the width in metres between them.
@@ -44,7 +44,8 @@ class SimulationConfig:
         least_force: Newtons that a pad must carry to count.
         least_rise: Share of the lift that the object's point between the pads must rise by.
         slip_distance: Metres that the object may move between the pads, measured where the grasp's centre was.
-        slip_angle: Degrees that it may turn in the hand.
+        slip_angle: Degrees that it may turn in the hand. Pinched beside its weight, an object swings like a pendulum
+            until it hangs, and is still held; beyond a right angle it tumbles.
         drift_distance: Metres that the object may move before it is touched.
         drift_angle: Degrees, likewise.
         settle_time: Seconds at rest before the approach.
@@ -80,7 +81,7 @@ class SimulationConfig:
     least_force: float = 0.5
     least_rise: float = 0.8
     slip_distance: float = 0.02
-    slip_angle: float = 45.0
+    slip_angle: float = 90.0
     drift_distance: float = 0.005
     drift_angle: float = 5.0
     settle_time: float = 0.1

@@ -116,7 +116,8 @@ def _packed(pieces: tuple[Floats, ...]) -> bytes:
 def _read(path: Path) -> tuple[Floats, ...] | None:
     """Return what a cache file holds, or None when it is absent or not what we write (it is then made anew)."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # Read whole first: numpy leaves a file that is no archive open.
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
             corners, counts = file["corners"], file["counts"]
         if corners.ndim != 2 or corners.shape[1] != 3 or counts.sum() != len(corners) or not np.isfinite(corners).all():
             return None
@@ -150,4 +151,3 @@ def _run_coacd(vertices: Floats, faces: Ints, config: DecompositionConfig, what:
     if shown:
         print(f" {len(pieces)} in {time.perf_counter() - start:.1f} s", file=sys.stderr)  # noqa: T201
     return tuple(np.asarray(corners, np.float64) for corners, _ in pieces)
-

@@ -10,20 +10,31 @@ from types import ModuleType
 from graft.errors import MissingExtraError
 
 
-def load_mujoco() -> ModuleType:
-    """Return the module mujoco.
+def choose_gl() -> None:
+    """Choose what mujoco draws with, unless the user has (MUJOCO_GL); it reads that once, when it is imported.
 
-    A GL backend is chosen before the import, because mujoco reads it only then: on Linux without a display the default,
-    GLFW, cannot draw; EGL can, else OSMesa, where they are installed. What the user has set stays.
+    On Linux without a display its default, GLFW, cannot draw; EGL can, else OSMesa, where they are installed.
+    """
+    if "mujoco" in sys.modules or has_display() or "MUJOCO_GL" in os.environ:
+        return
+    for backend, library in (("egl", "EGL"), ("osmesa", "OSMesa")):
+        if find_library(library):
+            os.environ["MUJOCO_GL"] = backend
+            return
+
+
+def has_display() -> bool:
+    """Whether windows can be opened; elsewhere than on Linux, always."""
+    return sys.platform != "linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def load_mujoco() -> ModuleType:
+    """Return the module mujoco, imported after `choose_gl`.
 
     Raises:
         MissingExtraError: It is not installed.
     """
-    if sys.platform == "linux" and not os.environ.get("DISPLAY") and "MUJOCO_GL" not in os.environ:
-        for backend, library in (("egl", "EGL"), ("osmesa", "OSMesa")):
-            if find_library(library):
-                os.environ["MUJOCO_GL"] = backend
-                break
+    choose_gl()
     try:
         import mujoco
     except ImportError:

@@ -45,8 +45,8 @@ class Measurements:
         table_contact: Whether the hand touched the table on its way.
         closed_forces: Newtons on the fingers at +y and -y after closing.
         closed_width: Metres between the pads then.
-        secured_forces: Newtons after the lift by `secured_height`.
-        final_forces: Newtons at the end.
+        secured_forces: Newtons after the lift by `secured_height`, mean of 50 ms.
+        final_forces: Newtons at the end, mean of 50 ms.
         lift: Metres that the hand rose.
         rise: Metres that the object's point between the pads rose.
         center_rise: Metres that the centre of mass rose: less than `rise` when the object turned in the hand.

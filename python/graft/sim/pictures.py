@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import os
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,9 +17,9 @@ from graft.errors import InputError, MissingExtraError
 from graft.io.atomic import write_whole
 from graft.objects import Floats
 from graft.sim.compiled import CompiledScene
-from graft.sim.engine import load_mujoco
+from graft.sim.engine import has_display, load_mujoco
 from graft.sim.outcome import Trial
-from graft.sim.prepare import PreparedObject
+from graft.sim.prepared import PreparedObject
 from graft.sim.trial import CHUNK, run_trial
 
 Image = NDArray[np.uint8]
@@ -140,14 +142,17 @@ def _drawn(prepared: PreparedObject, trial: Trial, size: int) -> Iterator[tuple[
 
 def _renderer(model: Any, size: int) -> Any:
     mj = load_mujoco()
+    if not has_display() and os.environ.get("MUJOCO_GL", "glfw") == "glfw":
+        raise InputError(
+            "no picture can be drawn: without a display OpenGL needs EGL (Debian: libegl1) or OSMesa (libosmesa6); if "
+            "one is installed, mujoco was imported before graft could choose it: set MUJOCO_GL=egl or osmesa"
+        )
     model.vis.global_.offwidth = model.vis.global_.offheight = size
     try:
         return mj.Renderer(model, size, size)
     except Exception as error:
-        raise InputError(
-            "no picture can be drawn here: OpenGL without a display needs EGL (Debian: libegl1) or, with MUJOCO_GL="
-            f"osmesa, OSMesa (Debian: libosmesa6); {type(error).__name__}: {error}"
-        ) from error
+        gl = os.environ.get("MUJOCO_GL")
+        raise InputError(f"no picture can be drawn with MUJOCO_GL={gl}: {type(error).__name__}: {error}") from error
 
 
 def _camera(prepared: PreparedObject, start: Floats, trial: Trial) -> Any:
@@ -173,14 +178,10 @@ def view_trial(prepared: PreparedObject, trial: Trial) -> None:
     Raises:
         InputError: There is no display, or the trial has no grasp.
     """
-    import os
-    import sys
-    import time
-
     load_mujoco()
     if trial.grasp is None:
         raise InputError(f"trial of {trial.object_name!r}: it has no grasp to show ({trial.outcome.value})")
-    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    if not has_display():
         raise InputError("the viewer needs a display; write a .png or .mp4 instead")
     from mujoco import viewer
 

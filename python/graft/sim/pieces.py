@@ -60,10 +60,16 @@ def _part_pieces(part: Part, config: DecompositionConfig, cache: Path | None) ->
     hull = hull_corners(part.vertices)
     if hull is None:
         return []
-    if part.is_point_cloud or _depth_under_hull(part.vertices[np.unique(part.faces)], hull) <= CONCAVITY:
+    if part.is_point_cloud or _depth_under_hull(_places(part), hull) <= CONCAVITY:
         return [hull]
     cut = decompose(part.vertices, part.faces, config, cache=cache, what=part.name)
     return [corners for piece in cut if (corners := hull_corners(piece)) is not None]
+
+
+def _places(part: Part) -> Floats:
+    """Return the corners and the middles of a part's faces: a pipe's corners alone all lie on its hull."""
+    corners = part.vertices[part.faces]
+    return np.vstack([part.vertices[np.unique(part.faces)], corners.mean(axis=1)])
 
 
 def hull_corners(points: Floats) -> Floats | None:

@@ -87,9 +87,7 @@ def find_resting_poses(body: Body, up: Floats, config: SimulationConfig, count: 
 
 def rotation_angle(rotation: Floats) -> float:
     """Return the angle of a rotation (3, 3), degrees; exact for small angles, too."""
-    skew = np.array(
-        [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
-    )
+    skew = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
     return float(np.degrees(np.arctan2(np.linalg.norm(skew), np.trace(rotation) - 1.0)))
 
 
@@ -119,7 +117,7 @@ def _faces_under_the_center(body: Body) -> list[Floats]:
         side = np.cross(normals, edge)
         toward = np.einsum("ij,ij->i", side, third)
         inside &= np.einsum("ij,ij->i", side, foot - corners[:, i]) * np.sign(toward) >= -1e-12
-    ranked = []
+    ranked: list[tuple[float, int, Floats]] = []
     for face in np.flatnonzero(inside):
         barrier = _barrier(body, normals[face], float(height[face]))
         if barrier is not None and not any(np.abs(normals[face] - n).max() < SAME_PLANE for _, _, n in ranked):
@@ -190,7 +188,7 @@ def _same(a: RestingPose, b: RestingPose) -> bool:
 
 
 def displacement(before: Floats, after: Floats, point: Floats) -> tuple[float, float]:
-    """Return how far `point` (3,) of a body moved between two poses (4, 4), metres, and by how many degrees it turned."""
+    """Return how far a body's `point` (3,) moved between two poses (4, 4), metres, and how many degrees it turned."""
     moved = (after[:3, :3] - before[:3, :3]) @ point + after[:3, 3] - before[:3, 3]
     return float(np.linalg.norm(moved)), rotation_angle(after[:3, :3] @ before[:3, :3].T)
 

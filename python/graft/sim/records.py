@@ -128,7 +128,9 @@ class TrialBook:
 def _trial(entry: dict[str, Any], job: Job) -> Trial:
     """Return the trial of a line; what the job knows comes from the job."""
     names = [f.name for f in fields(Measurements)]
-    measured = {k: tuple(v) if isinstance(v, list) else v for k, v in entry["measurements"].items() if k in names}
+    measured: dict[str, Any] = {
+        k: tuple(v) if isinstance(v, list) else v for k, v in entry["measurements"].items() if k in names
+    }
     pose = entry["T_world_object"]
     return Trial(
         outcome=Outcome(entry["outcome"]),

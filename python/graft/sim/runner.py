@@ -17,7 +17,7 @@ from graft.grasp import Grasp
 from graft.objects import Floats
 from graft.sim.config import SimulationConfig
 from graft.sim.outcome import Outcome, Trial
-from graft.sim.prepare import PreparedObject
+from graft.sim.prepared import PreparedObject
 from graft.sim.records import TrialBook
 from graft.sim.simulator import MujocoSimulator, Simulator
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from graft.grasp import Grasp
 from graft.sim.config import SimulationConfig
 from graft.sim.outcome import Trial
-from graft.sim.prepare import PreparedObject
+from graft.sim.prepared import PreparedObject
 from graft.sim.trial import run_trial
 
 

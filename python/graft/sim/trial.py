@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -19,11 +20,14 @@ from graft.sim.compiled import CompiledScene, compiled_scene
 from graft.sim.config import SimulationConfig
 from graft.sim.outcome import Measurements, Outcome, Trial
 from graft.sim.poses import displacement
-from graft.sim.prepare import PreparedObject, prepare
+from graft.sim.prepared import PreparedObject, prepare
 from graft.sim.scene import CLOSED_TARGET
 
 CHUNK = 5
 """Steps between two looks at the scene: 10 ms. The path is written at each step of the hand's course."""
+
+LOOKS = 5
+"""Looks, together 50 ms, that forces are averaged over."""
 
 STILL = 0.001
 """Metres per second below which closing fingers have come to rest on something."""
@@ -33,6 +37,9 @@ SPEED_UP = 0.05
 
 CLOSING_MARGIN = 0.25
 """Seconds beyond the pure travel that the fingers may need to close, pushing a loose object along."""
+
+RAMP = 0.15
+"""Seconds in which the lift comes to its speed."""
 
 EXPLODED = 30.0
 """Metres or radians per second that nothing in a trial reaches unless its numbers diverge."""
@@ -85,15 +92,13 @@ def run_trial(
     watch: Watch | None = None,
     scene: CompiledScene | None = None,
 ) -> Trial:
-    """Try a grasp; as `simulate_grasp`, with a `watch` that sees every `CHUNK` steps and may bring a scene with looks."""
+    """Try a grasp as `simulate_grasp` does; `watch` sees the scene every `CHUNK` steps, `scene` may have looks."""
     started = time.perf_counter()
     _check_grasp(grasp, config)
     T_world_object = checked_array("pose", prepared.T_world_object if pose is None else pose, (4, 4))
     if not is_rotation(T_world_object[:3, :3]):
         raise InputError("pose: expected a rotation and a translation")
-    result = Trial(
-        Outcome.UNSTABLE, "", prepared.object.name, config, grasp=grasp, T_world_object=T_world_object
-    )
+    result = Trial(Outcome.UNSTABLE, "", prepared.object.name, config, grasp=grasp, T_world_object=T_world_object)
     if not prepared.pose.stable:
         return replace(result, reason="no stable resting pose was found", wall_seconds=time.perf_counter() - started)
     run = _Run(scene or compiled_scene(prepared.body, config, grasp.gripper), T_world_object, grasp, config, watch)
@@ -134,6 +139,7 @@ class _Run:
         self.scene, self.config, self.watch = scene, config, watch
         self.measured: dict[str, Any] = {}
         self.steps = 0
+        self.recent: deque[tuple[float, float]] = deque(maxlen=LOOKS)
         self.deadline = time.perf_counter() + config.timeout
         self.goal = _reached(start @ grasp.pose, config)
         self.away = self.goal.copy()
@@ -205,13 +211,31 @@ class _Run:
         self.measured |= {"closed_forces": scene.finger_forces(), "closed_width": scene.opening()}
 
     def _lift(self) -> None:
-        """Lift by `secured_height`, check, lift the rest, hold."""
+        """Lift, check at `secured_height`, hold."""
         config, scene = self.config, self.scene
-        low, high = self.goal.copy(), self.goal.copy()
-        low[2, 3] += config.secured_height
-        high[2, 3] += config.lift_height
-        self._move("lift", self.goal, low, config.secured_height / config.lift_speed)
-        forces = scene.finger_forces()
+        self.top = self.goal.copy()
+        self.top[2, 3] += config.lift_height
+        heights = _ramped(config.lift_height, config.lift_speed, config.timestep)
+        place = self.goal[:3, 3].copy()
+        secured = False
+        for done, height in enumerate(heights, start=1):
+            place[2] = self.goal[2, 3] + height
+            scene.lead(place)
+            scene.step(1)
+            if done % CHUNK and done < len(heights):
+                continue
+            self._account("lift", (done - 1) % CHUNK + 1)
+            if not secured and height >= config.secured_height:
+                self._secure()
+                secured = True
+            if secured and done % (10 * CHUNK) == 0:
+                self._must_touch()
+        self._stay("hold", config.hold_time, held=True)
+
+    def _secure(self) -> None:
+        """Check that both fingers carry."""
+        config = self.config
+        forces = self._forces()
         self.measured["secured_forces"] = forces
         if min(forces) <= config.least_force:
             raise _Ended(
@@ -219,9 +243,6 @@ class _Run:
                 f"after a lift of {1000 * config.secured_height:.0f} mm the fingers carry {forces[0]:.2f} and "
                 f"{forces[1]:.2f} N",
             )
-        self.top = high
-        self._move("lift", low, high, (config.lift_height - config.secured_height) / config.lift_speed, held=True)
-        self._stay("hold", config.hold_time, held=True)
 
     def _shake(self) -> None:
         """Move to and fro along x, y and z, three periods each."""
@@ -254,7 +275,7 @@ class _Run:
     def _judge(self) -> None:
         """Compare the end with what was secured."""
         config, scene = self.config, self.scene
-        forces = scene.finger_forces()
+        forces = self._forces()
         rise = scene.height(self.spot) - self.heights[0]
         now = scene.object_in_hand()
         slip, angle = displacement(self.held, now, self.spot)
@@ -279,18 +300,15 @@ class _Run:
         if angle > config.slip_angle:
             raise _Ended(Outcome.SLIPPAGE, f"it turned {angle:.0f} degrees in the hand")
 
+    def _forces(self) -> tuple[float, float]:
+        """Return the mean forces of the last looks: while a rounded handle turns, contacts come and go."""
+        left, right = np.mean(self.recent, axis=0)
+        return float(left), float(right)
+
     def _must_touch(self) -> None:
         """End the trial when no finger touches the object: nothing brings it back."""
-        if max(self.scene.finger_forces()) == 0.0:
+        if max(self._forces()) == 0.0:
             raise _Ended(Outcome.SLIPPAGE, f"lost after {self.steps * self.config.timestep:.2f} s")
-
-    def _move(self, phase: str, begin: Floats, end: Floats, seconds: float, *, held: bool = False) -> None:
-        """Lead the hand along a straight line at constant speed."""
-        steps = self._steps(seconds)
-        for done in range(0, steps, CHUNK):
-            self._glide(phase, begin, end, done, min(done + CHUNK, steps), steps)
-            if held and done % (10 * CHUNK) == 0:
-                self._must_touch()
 
     def _glide(self, phase: str, begin: Floats, end: Floats, first: int, last: int, steps: int) -> None:
         """Lead the hand from step `first` to `last` of `steps` on a line: a new place at every step, no jerk."""
@@ -316,6 +334,7 @@ class _Run:
         self.steps += steps
         if not look:
             return
+        self.recent.append(self.scene.finger_forces())
         if self.watch is not None:
             self.watch(self.scene, phase)
         trouble = self.scene.trouble(EXPLODED)
@@ -326,6 +345,22 @@ class _Run:
 
     def _steps(self, seconds: float) -> int:
         return max(1, round(seconds / self.config.timestep))
+
+
+def _ramped(distance: float, speed: float, timestep: float) -> Floats:
+    """Return the way gone (n,) after each step: up to `speed` over `RAMP` seconds, and down again at the end.
+
+    A hand that starts at once would ask the pads for more than the object's weight again.
+    """
+    ramp = min(RAMP, distance / speed)
+    speed = distance / max(distance / speed, ramp)
+    total = distance / speed + ramp
+    t = timestep * np.arange(1, int(np.ceil(total / timestep)) + 1)
+    late = np.maximum(t - (total - ramp), 0.0)
+    early = np.minimum(t, ramp)
+    way: Floats = speed * (early**2 / (2 * ramp) + np.maximum(t - ramp, 0.0) - late**2 / (2 * ramp))
+    way[t >= total] = distance
+    return way
 
 
 def _reached(wanted: Floats, config: SimulationConfig) -> Floats:
