@@ -193,7 +193,8 @@ def read_episode(group: Any, path: Path, env_args: Mapping[str, Any]) -> Episode
     ours = "graft_schema" in attributes
     if ours and attributes["graft_schema"] > SCHEMA:
         raise InputError(
-            f"{group.name}: schema {attributes['graft_schema']}, a newer graft than this one ({SCHEMA}) wrote it", path=path
+            f"{group.name}: schema {attributes['graft_schema']}, a newer graft than this one ({SCHEMA}) wrote it",
+            path=path,
         )
     env_args = parse_json(attributes["env_args"], path=path) if ours else env_args
     rate = env_args.get("env_kwargs", {}).get("control_freq", DEFAULT_RATE) if not ours else DEFAULT_RATE
