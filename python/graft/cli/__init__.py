@@ -19,6 +19,7 @@ VERBS = {
     "show": ("Show", "Read an object and print its parts; --out writes a picture, page or GLB."),
     "match": ("MatchCommand", "Match one object against another and print the transport plan."),
     "transfer": ("TransferCommand", "Transfer a contact from a library of demonstrations to an object."),
+    "export": ("Export", "Copy episodes between robomimic's HDF5 and LeRobot datasets."),
     "evaluate": ("Evaluate", "Measure transferred contacts: affordance, ablation, diversity."),
 }
 """Verb -> (class in graft.cli.<verb>, one line of help)."""

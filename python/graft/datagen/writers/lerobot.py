@@ -1,7 +1,7 @@
 """LeRobot datasets, version 3.0, in which every finished episode stays readable whatever kills the writer.
 
-LeRobot's own writer keeps Parquet files open, and loses them when it dies before `finalize`. Here all files are whole at
-any time: it is written beside its place and renamed. An episode is there from the moment its row is in meta/episodes;
+LeRobot's own writer keeps Parquet files open, and loses them when it dies before `finalize`. Here files are whole at
+any time: each is written beside its place and renamed. An episode is there from the moment its row is in meta/episodes;
 before that come its record, videos and steps, after it info.json and stats.json. What a killed writer did out of that
 order the next one takes back or makes up for, from the files alone.
 
@@ -54,7 +54,7 @@ SCHEMA = 1
 """Version of the folder `graft/`; in info.json as `graft_schema`."""
 
 DATA_BYTES = 2 << 20
-"""Of a data file in memory: some 80 episodes of 200 steps with 20 numbers each. An episode costs half of it in writing."""
+"""Of a data file in memory: some 80 episodes of 200 steps with 20 numbers; an episode costs half of it in writing."""
 
 EPISODES_BYTES = 1 << 18
 """Of a file of meta/episodes in memory: some 50 episodes."""
