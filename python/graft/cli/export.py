@@ -26,14 +26,14 @@ class Export:
     graft wrote."""
     target: tyro.conf.Positional[Path]
     """What is written, or added to: an .hdf5 file or a folder."""
-    format: Literal["robomimic", "lerobot"] | None = None
-    """Format of the target; by default robomimic for .hdf5 and .h5, lerobot for a folder."""
+    format: Literal["auto", "robomimic", "lerobot"] = "auto"
+    """Format of the target; auto takes robomimic for .hdf5 and .h5, lerobot for a folder."""
     json: bool = False
     """Print one JSON document and nothing else."""
 
     def run(self) -> int:
         """Export and say what was written; returns the exit code."""
-        done = export_episodes(self.source, self.target, self.format)
+        done = export_episodes(self.source, self.target, None if self.format == "auto" else self.format)
         if self.json:
             print_json({"source": str(self.source), "target": str(self.target), **asdict(done)})
         else:
