@@ -41,6 +41,21 @@ def make_folder(folder: Path) -> None:
         raise InputError(f"cannot be made: {error.strerror or error}", path=folder) from None
 
 
+def swap(path: Path, data: bytes) -> None:
+    """Write a file so that it is whole or absent, without waiting for the disk; a power cut may undo or empty it.
+
+    For what follows from other files.
+    """
+    draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    try:
+        draft.write_bytes(data)
+        draft.replace(path)
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror or error}", path=path) from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
 @contextmanager
 def drafted(path: Path) -> Iterator[Path]:
     """Give a path to write to beside `path`; when the block ends well it is renamed to it, else removed.
@@ -57,19 +72,11 @@ def drafted(path: Path) -> Iterator[Path]:
         sync_folder(path.parent)
     except InputError:
         raise
-    except (OSError, RuntimeError) as error:  # HDF5 raises RuntimeError when a flush fails on closing
-        raise InputError(f"cannot be written: {refusal(error)}", path=path) from error
+    except (OSError, RuntimeError) as error:  # RuntimeError: HDF5's
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot be written: {reason}", path=path) from error
     finally:
         draft.unlink(missing_ok=True)
-
-
-def refusal(error: Exception) -> str:
-    """Return why the system refused; HDF5 hides the number of the error in its text."""
-    found = re.search(r"errno = (\d+)", str(error))
-    number = int(found.group(1)) if found else getattr(error, "errno", None)
-    if number:
-        return os.strerror(number)
-    return str(error).splitlines()[0][:200] if str(error) else type(error).__name__
 
 
 def remove_drafts(folder: Path) -> None:

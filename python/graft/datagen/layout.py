@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from graft.checks import Floats, checked_array
+from graft.datagen.durable import drafted
 from graft.datagen.episode import IMAGE_SUFFIX, SUCCESS, Episode, Image, checked_frame
 from graft.errors import InputError, MissingExtraError
 from graft.io.guards import existing_file, malformed_is_input_error, parse_json
@@ -56,6 +58,58 @@ def opened(path: Path) -> Iterator[Any]:
         text = str(error).splitlines()[0] if str(error) else type(error).__name__
         what = "truncated HDF5 file" if "truncated" in text else "not an HDF5 file, or a broken one"
         raise InputError(f"{what}: {text}", path=path) from None
+
+
+class _Patient:
+    """A file for HDF5 that never tells it of a failure: HDF5 cannot let go of files that it cannot write to.
+
+    The first failure is kept in `error`, and from then on everything is thrown away.
+    """
+
+    def __init__(self, raw: io.FileIO) -> None:
+        self.raw = raw
+        self.error: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write all of `data`, or keep the error."""
+        view = memoryview(data).cast("B")
+        done = 0
+        while done < len(view) and self.error is None:
+            try:
+                done += self.raw.write(view[done:])
+            except OSError as error:
+                self.error = error
+        return len(view)
+
+    def truncate(self, size: int) -> int:
+        """Set the length of the file, or keep the error."""
+        try:
+            self.raw.truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+        return size
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.raw, name)
+
+
+@contextmanager
+def written(path: Path) -> Iterator[Any]:
+    """Give an empty HDF5 file to fill, which is at `path` when the block has ended well, whole.
+
+    Raises:
+        InputError: The system refuses (disk full); nothing is at `path` that was not there before.
+    """
+    h5py = load_h5py()
+    with drafted(path) as draft, io.FileIO(draft, "x+") as raw:
+        patient = _Patient(raw)
+        try:
+            with h5py.File(patient, "w") as file:
+                yield file
+        except (OSError, RuntimeError) as error:
+            raise patient.error or error from error
+        if patient.error is not None:
+            raise patient.error
 
 
 def write_episode(group: Any, episode: Episode, *, cameras: bool = True) -> None:

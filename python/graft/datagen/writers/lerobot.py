@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from graft import __version__
-from graft.datagen.durable import locked, put, remove_drafts
+from graft.datagen.durable import locked, put, remove_drafts, swap
 from graft.datagen.episode import Episode, checked_frame
 from graft.datagen.layout import check_frame_count, load_h5py
 from graft.datagen.writers.robomimic import write_part
@@ -119,6 +119,7 @@ class LeRobotWriter:
         statistics |= {
             key: of_rows(np.asarray(rows, np.float64).reshape(len(episode), -1)) for key, rows in columns.items()
         }
+        statistics = {feature: statistics[feature] for feature in self._info["features"]}
         row = self._row(episode, index, list(shapes))
         self._data.append(step_table(columns))
         self._episodes.append(episode_table(row, statistics))
@@ -227,8 +228,8 @@ class LeRobotWriter:
         }
 
     def _write_summary(self) -> None:
-        """Write what follows from meta/episodes; a power cut may undo it, and the next writer makes up for that."""
-        write_whole(self.root / "meta/stats.json", _json(self._total.document()))
+        """Write what follows from meta/episodes; the next writer makes up for it where it is missing."""
+        swap(self.root / "meta/stats.json", _json(self._total.document()))
         write_whole(self.root / "meta/info.json", _json(self._info))
 
     def _recover(self) -> None:
@@ -240,12 +241,10 @@ class LeRobotWriter:
         self._info = read_json(info)
         if self._info.get("graft_schema") != SCHEMA:
             raise InputError("graft did not write this dataset; nothing is added to it", path=info)
-        tasks: set[str] = set()
         for path in self._episodes.files():
             table = read_parquet(path)
             for row in table.to_pylist():
                 self._enter(row["graft/name"], row["length"], _statistics(row, self._info["features"]))
-                tasks.update(row["tasks"])
         written = self.root / "meta/tasks.parquet"
         if written.is_file():
             self._tasks = {name: i for i, name in enumerate(read_parquet(written).column(1).to_pylist())}

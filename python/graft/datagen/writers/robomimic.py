@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from graft.datagen.durable import drafted, locked, make_folder, remove_drafts, sync_folder
+from graft.datagen.durable import locked, remove_drafts
 from graft.datagen.episode import SUCCESS, Episode
-from graft.datagen.layout import SCHEMA, load_h5py, opened, write_episode
+from graft.datagen.layout import SCHEMA, load_h5py, opened, write_episode, written
 from graft.errors import InputError
 
 VALID_EVERY = 10
@@ -50,8 +50,7 @@ def demo_keys(data: Any) -> list[str]:
 
 def write_part(path: Path, episode: Episode, *, key: str = "demo_0", cameras: bool = True) -> None:
     """Write a file of one episode, whole or absent."""
-    h5py = load_h5py()
-    with drafted(path) as draft, h5py.File(draft, "x") as file:
+    with written(path) as file:
         data = file.create_group("data")
         write_episode(data.create_group(key), episode, cameras=cameras)
         _finish(file, len(episode), json.dumps(episode.env_args), {})
@@ -148,10 +147,8 @@ class RobomimicWriter:
             self._next = max(self._next, int(part.stem.removeprefix("demo_")) + 1)
 
     def _gather(self, parts: list[Path]) -> None:
-        h5py = load_h5py()
-        make_folder(self.path.parent)
         env_args, total, masks = None, 0, _Masks()
-        with drafted(self.path) as draft, h5py.File(draft, "x") as target:
+        with written(self.path) as target:
             data = target.create_group("data")
             for source in [self.path, *parts] if self.path.exists() else parts:
                 with opened(source) as file:
@@ -163,7 +160,6 @@ class RobomimicWriter:
                         masks.add(new, str(data[new].attrs["outcome"]))
             assert env_args is not None
             _finish(target, total, env_args, masks.keys)
-        sync_folder(self.path.parent)
 
 
 class _Masks:

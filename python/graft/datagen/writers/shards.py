@@ -61,7 +61,9 @@ class Shards:
 
     def append(self, rows: pa.Table) -> None:
         """Add the rows of an episode to the last file; nothing changes when the system refuses."""
-        together = rows if self._rows is None else pa.concat_tables([self._rows, rows]).combine_chunks()
+        # Rows that were read call the items of their lists otherwise than those that were made.
+        earlier = [] if self._rows is None else [self._rows.cast(rows.schema)]
+        together = pa.concat_tables([*earlier, rows]).combine_chunks()
         put(self.path(self.index), parquet_bytes(together))
         # nbytes of the new rows only: of many chunks it takes longer than writing them.
         self._turn(together, self._bytes + rows.nbytes)

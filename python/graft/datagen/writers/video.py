@@ -63,7 +63,8 @@ def write_video(path: Path, frames: Iterable[Image], fps: int) -> None:
                 stream = None
                 for frame in frames:
                     stream = stream or _stream(container, frame.shape, fps, path)
-                    container.mux(stream.encode(av.VideoFrame.from_ndarray(frame, format="rgb24")))
+                    picture = av.VideoFrame.from_ndarray(frame, format="rgb24").reformat(format=PIXELS, threads=1)
+                    container.mux(stream.encode(picture))
                 if stream is not None:
                     container.mux(stream.encode(None))
         except av.error.FFmpegError as error:
