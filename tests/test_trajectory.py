@@ -48,7 +48,10 @@ def bent(row, value):
         ({"T_world_gripper": bent(2, np.ones((4, 4)))}, "T_world_gripper: .* row 2 is none"),
         ({"T_world_object": {"cup": bent(1, np.zeros((4, 4)))}, "segments": ()}, "T_world_object 'cup': .* row 1"),
         ({"gripper": np.r_[np.zeros(4), 1.5, np.zeros(5)]}, r"actions in \[-1, 1\], got 1.5 at step 4"),
-        ({"segments": (Segment("a", 0, 4), Segment("b", 5, 10))}, "'b': expected it to start at step 4, it starts at 5"),
+        (
+            {"segments": (Segment("a", 0, 4), Segment("b", 5, 10))},
+            "'b': expected it to start at step 4, it starts at 5",
+        ),
         ({"segments": (Segment("a", 0, 4),)}, "cover 10 steps, they end at 4"),
         ({"segments": (Segment("a", 0, 4), Segment("a", 4, 10))}, "name 'a' is there twice"),
         ({"segments": (Segment("a", 0, 4, None, "s"), Segment("b", 4, 10, None, "s"))}, "signal 's' is there twice"),

@@ -32,7 +32,10 @@ def episode(number=0, *, steps=11, cameras=(), **changes):
         "trajectory": trajectory(rng, steps),
         "actions": rng.uniform(-1, 1, (steps, 7)),
         "states": rng.normal(size=(steps, 13)),
-        "observations": {"object_pose": rng.normal(size=(steps + 1, 6)), "gripper_pos": rng.normal(size=(steps + 1, 3))},
+        "observations": {
+            "object_pose": rng.normal(size=(steps + 1, 6)),
+            "gripper_pos": rng.normal(size=(steps + 1, 3)),
+        },
         "rewards": np.arange(steps) * 0.5,
         "dones": np.eye(steps, dtype=int)[-1],
         "model_xml": f"<mujoco model='{number}'/>",

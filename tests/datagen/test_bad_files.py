@@ -73,7 +73,10 @@ def unmade(file):
         (replaced("actions", np.zeros((10, 7))), r"/data/demo_1/actions: expected shape \(11, n\), got \(10, 7\)"),
         (replaced("actions", np.full((11, 7), 2.0)), r"actions: expected numbers in \[-1, 1\]"),
         (replaced("states", "words"), "/data/demo_1/states: expected numbers, got object"),
-        (replaced("datagen_info", None), "demo_1: no datagen_info, which has the poses; MimicGen's prepare_src_dataset"),
+        (
+            replaced("datagen_info", None),
+            "demo_1: no datagen_info, which has the poses; MimicGen's prepare_src_dataset",
+        ),
         (replaced("datagen_info/target_pose", np.zeros((11, 4, 4))), "T_world_target: expected rotations"),
         (replaced("datagen_info/object_poses/table", np.zeros((3, 4, 4))), r"object_poses/table: expected shape"),
         (replaced("datagen_info/gripper_action", np.zeros((11, 2))), r"gripper_action: expected shape \(11, 1\)"),

@@ -100,7 +100,10 @@ def test_episodes_of_mimicgen_are_read(file):
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"pose": "mug"}, r"stack.hdf5: data/demo_0/datagen_info/object_poses/mug: there is none; there are cubeA, cubeB"),
+        (
+            {"pose": "mug"},
+            r"stack.hdf5: data/demo_0/datagen_info/object_poses/mug: there is none; there are cubeA, cubeB",
+        ),
         ({"pose": "cubeA", "anchors": {"lift": None}}, "no segment 'lift' to anchor; there are grasp, end"),
         ({"pose": "cubeA", "anchors": {"end": "pot"}}, "data/demo_0: segment 'end': no object called 'pot'"),
         ({"pose": "cubeA", "part": "spout"}, "no part called 'spout'"),
@@ -116,5 +119,7 @@ def test_hands_that_never_close_and_objects_without_a_scale(file, box):
         list(import_demonstrations(file, as_object((box.parts[0].vertices, box.parts[0].faces)), pose="cubeA"))
     with h5py.File(file, "a") as opened:
         opened["data/demo_1/datagen_info/gripper_action"][:] = -1
-    with pytest.raises(InputError, match=r"stack.hdf5: data/demo_1/datagen_info/gripper_action: expected the gripper to"):
+    with pytest.raises(
+        InputError, match=r"stack.hdf5: data/demo_1/datagen_info/gripper_action: expected the gripper to"
+    ):
         list(import_demonstrations(file, box, pose="cubeA"))

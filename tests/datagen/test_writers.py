@@ -127,9 +127,15 @@ def test_tables_go_on_in_new_files(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("changes", "match"),
     [
-        ({"actions": np.zeros((11, 6))}, r"action: LeRobot needs all episodes alike; .*float32 \(7,\), .*float32 \(6,\)"),
+        (
+            {"actions": np.zeros((11, 6))},
+            r"action: LeRobot needs all episodes alike; .*float32 \(7,\), .*float32 \(6,\)",
+        ),
         ({"observations": {}}, r"observation.state: .* the dataset has float32 \(9,\), this one none"),
-        ({"trajectory": episode(1).trajectory.resampled(np.linspace(0, 0.5, 11) * 0.5)}, "expected 20 steps per second"),
+        (
+            {"trajectory": episode(1).trajectory.resampled(np.linspace(0, 0.5, 11) * 0.5)},
+            "expected 20 steps per second",
+        ),
     ],
 )
 def test_lerobot_takes_only_like_episodes(tmp_path, changes, match):
