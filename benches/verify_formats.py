@@ -2,8 +2,8 @@
 
 python benches/verify_formats.py [--work FOLDER] [--keep] [--python PYTHON]
 
-Makes an environment with their packages in FOLDER (a temporary one by default; some 6 GB, torch is most of it), writes
-sample episodes with the graft that runs this, reads them in there, and compares. The folder is removed afterwards unless
+Makes an environment with their packages in FOLDER (a temporary one by default; torch is most of it), writes sample
+episodes with the graft that runs this, reads them in there, and compares. The folder is removed afterwards unless
 --keep is given. Exits 1 when a loader fails or says something else than was written.
 """
 

@@ -19,6 +19,7 @@ meta = FileUtils.get_shape_metadata_from_dataset({"path": path}, ["actions"])
 
 
 def dataset(obs_keys, **options):
+    """Return robomimic's dataset of these observations."""
     return SequenceDataset(
         hdf5_path=path,
         obs_keys=obs_keys,

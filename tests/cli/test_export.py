@@ -9,10 +9,10 @@ from graft.cli import EXIT_BAD_INPUT, EXIT_OK, EXIT_USAGE, main
 pytest.importorskip("h5py")
 pytest.importorskip("av")
 
-from graft.datagen.export import open_writer  # noqa: E402
+from graft.datagen.export import open_writer
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "datagen"))
-from sample_episodes import episode  # noqa: E402
+from sample_episodes import episode
 
 
 @pytest.fixture

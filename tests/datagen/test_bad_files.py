@@ -119,19 +119,21 @@ def test_flipped_bytes_never_give_anything_but_one_line(tmp_path, good, share):
     middle = int(share * len(data))
     data[middle : middle + 64] = rng.bytes(64)
     path.write_bytes(data)
+    lines = []
     try:
         for found in read_episodes(path):
             for camera in found.cameras.values():
                 list(camera)
     except InputError as error:
-        assert "\n" not in str(error)
+        lines.append(str(error))
+    assert not any("\n" in line for line in lines)
 
 
 def test_other_datasets_are_left_alone(tmp_path):
     theirs = tmp_path / "theirs.hdf5"
     with h5py.File(theirs, "w") as file:
         file["data/demo_0/actions"] = np.zeros((3, 2))
-    with pytest.raises(InputError, match="theirs.hdf5: graft did not write this file; nothing is added to it"):
+    with pytest.raises(InputError, match=r"theirs.hdf5: graft did not write this file; nothing is added to it"):
         open_writer(theirs)
     with h5py.File(theirs) as file:
         assert list(file["data/demo_0"]) == ["actions"]
@@ -144,7 +146,7 @@ def test_other_datasets_are_left_alone(tmp_path):
         list(read_episodes(root))
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "me.png").write_bytes(b"x")
-    with pytest.raises(InputError, match="holds other files, nothing is written: me.png"):
+    with pytest.raises(InputError, match=r"holds other files, nothing is written: me.png"):
         open_writer(tmp_path / "photos")
 
 
@@ -156,9 +158,9 @@ def test_a_broken_lerobot_dataset(tmp_path, good):
     cut = broken("cut")
     video = cut / "videos/observation.images.front/chunk-000/file-001.mp4"
     video.write_bytes(video.read_bytes()[:400])
+    last = list(read_episodes(cut))[-1]
     with pytest.raises(InputError, match=r"file-001.mp4: not a video, or a broken one"):
-        for found in read_episodes(cut):
-            list(found.cameras["front"])
+        list(last.cameras["front"])
     torn = broken("torn")
     table = torn / "meta/episodes/chunk-000/file-000.parquet"
     table.write_bytes(table.read_bytes()[:-30])
@@ -174,7 +176,7 @@ def test_a_broken_lerobot_dataset(tmp_path, good):
 def test_export_refuses_before_it_writes(tmp_path, good):
     with pytest.raises(InputError, match="source and target are the same"):
         export_episodes(good / "a", good / "a")
-    with pytest.raises(InputError, match="nowhere.hdf5: no such file"):
+    with pytest.raises(InputError, match=r"nowhere.hdf5: no such file"):
         export_episodes(tmp_path / "nowhere.hdf5", tmp_path / "out")
     with pytest.raises(InputError, match=r"a.hdf5: a LeRobot dataset is a folder"):
         export_episodes(good / "a", tmp_path / "a.hdf5", "lerobot")
