@@ -45,7 +45,7 @@ def episode(number=0, *, steps=11, cameras=(), **changes):
         "task": "pour" if number % 3 == 2 else "lift the mug",
         "source": f"mug_{number % 2}",
         "settings": {"noise": 0.05, "planner": None},
-        "cameras": {name: smooth_frames(number, steps) for name in cameras},
+        "cameras": cameras if isinstance(cameras, dict) else {name: smooth_frames(number, steps) for name in cameras},
     }
     return Episode(**(words | changes))
 

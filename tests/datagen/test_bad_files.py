@@ -195,6 +195,7 @@ def test_export_refuses_before_it_writes(tmp_path, good):
         ({"observations": {"x": np.zeros((11, 3))}}, r"observation 'x': expected shape \(12, n\)"),
         ({"observations": {"a/b": np.zeros((12, 3))}}, "observation 'a/b': expected letters"),
         ({"observations": {"f_image": np.zeros((12, 3))}, "cameras": {"f": []}}, "has the name of a camera's images"),
+        ({"cameras": {"f": iter([])}}, "camera 'f': expected frames that can be iterated again"),
         ({"seed": -1}, r"expected a whole number from 0 to 2\^64 - 1, got -1"),
         ({"seed": 2**64}, "expected a whole number from 0"),
         ({"outcome": ""}, "outcome: expected a word"),

@@ -154,8 +154,8 @@ def test_frames_are_checked(tmp_path):
     for target in TARGETS:
         with open_writer(tmp_path / target) as writer:
             with pytest.raises(InputError, match="camera 'front': expected 11 frames, got 10"):
-                writer.append(episode(0).__class__(**(vars(episode(0)) | {"cameras": short})))
+                writer.append(episode(0, cameras=short))
             with pytest.raises(InputError, match=r"expected \(h, w, 3\) of uint8, got \(8, 8, 3\) of float64"):
-                writer.append(episode(0).__class__(**(vars(episode(0)) | {"cameras": floats})))
+                writer.append(episode(0, cameras=floats))
     with open_writer(tmp_path / "odd") as writer, pytest.raises(InputError, match="even height and width, got 7 x 8"):
-        writer.append(episode(0).__class__(**(vars(episode(0)) | {"cameras": odd})))
+        writer.append(episode(0, cameras=odd))

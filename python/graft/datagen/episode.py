@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import metadata
 from typing import Any
@@ -140,7 +140,9 @@ class Episode:
                     raise InputError(
                         f"{where} {kind} {name!r}: expected letters, digits, '_', '.' and '-', and no '.' or '-' first"
                     )
-        for camera in self.cameras:
+        for camera, frames in self.cameras.items():
+            if isinstance(frames, Iterator):
+                raise InputError(f"{where} camera {camera!r}: expected frames that can be iterated again and again")
             if camera + IMAGE_SUFFIX in self.observations:
                 raise InputError(f"{where}: observation {camera + IMAGE_SUFFIX!r} has the name of a camera's images")
 

@@ -2,114 +2,28 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from graft.checks import Floats, checked_array
-from graft.datagen.durable import drafted
+from graft.checks import Floats
 from graft.datagen.episode import IMAGE_SUFFIX, SUCCESS, Episode, Image, checked_frame
-from graft.errors import InputError, MissingExtraError
-from graft.io.guards import existing_file, malformed_is_input_error, parse_json
+from graft.datagen.hdf5 import has, numbers, numbers_in, opened, stored_array, subgroup
+from graft.errors import InputError
+from graft.io.guards import malformed_is_input_error, parse_json
 from graft.trajectory import Segment, Trajectory, segments_from_signals
 
 SCHEMA = 1
 """Version of what graft adds to the files of robomimic: attribute `graft_schema` of the file and of each episode."""
-
-MAX_DATASET_BYTES = 4 << 30
-"""Largest array of an episode that is read: 4 GiB, 10,000 frames of 380 x 380; a header may claim any size."""
 
 DEFAULT_RATE = 20.0
 """Steps per second where a file tells no times and its env_args no control_freq: robosuite's default."""
 
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 """Of images: level 1 halves rendered frames at several times the speed of the default 4."""
-
-
-def load_h5py() -> Any:
-    """Return the module h5py."""
-    try:
-        import h5py
-    except ImportError:
-        raise MissingExtraError("reading and writing HDF5", package="h5py", extra="data") from None
-    return h5py
-
-
-@contextmanager
-def opened(path: Path) -> Iterator[Any]:
-    """Open an HDF5 file for reading; whatever HDF5 makes of a broken one becomes one line.
-
-    Raises:
-        InputError: No such file, no HDF5, or a truncated one.
-    """
-    h5py = load_h5py()
-    existing_file(path)
-    try:
-        with malformed_is_input_error(path, "HDF5 file"), h5py.File(path, "r") as file:
-            yield file
-    except (OSError, RuntimeError) as error:
-        if isinstance(error, InputError):
-            raise
-        text = str(error).splitlines()[0] if str(error) else type(error).__name__
-        what = "truncated HDF5 file" if "truncated" in text else "not an HDF5 file, or a broken one"
-        raise InputError(f"{what}: {text}", path=path) from None
-
-
-class _Patient:
-    """A file for HDF5 that never tells it of a failure: HDF5 cannot let go of files that it cannot write to.
-
-    The first failure is kept in `error`, and from then on everything is thrown away.
-    """
-
-    def __init__(self, raw: io.FileIO) -> None:
-        self.raw = raw
-        self.error: OSError | None = None
-
-    def write(self, data: Any) -> int:
-        """Write all of `data`, or keep the error."""
-        view = memoryview(data).cast("B")
-        done = 0
-        while done < len(view) and self.error is None:
-            try:
-                done += self.raw.write(view[done:])
-            except OSError as error:
-                self.error = error
-        return len(view)
-
-    def truncate(self, size: int) -> int:
-        """Set the length of the file, or keep the error."""
-        try:
-            self.raw.truncate(size)
-        except OSError as error:
-            self.error = self.error or error
-        return size
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.raw, name)
-
-
-@contextmanager
-def written(path: Path) -> Iterator[Any]:
-    """Give an empty HDF5 file to fill, which is at `path` when the block has ended well, whole.
-
-    Raises:
-        InputError: The system refuses (disk full); nothing is at `path` that was not there before.
-    """
-    h5py = load_h5py()
-    with drafted(path) as draft, io.FileIO(draft, "x+") as raw:
-        patient = _Patient(raw)
-        try:
-            with h5py.File(patient, "w") as file:
-                yield file
-        except (OSError, RuntimeError) as error:
-            raise patient.error or error from error
-        if patient.error is not None:
-            raise patient.error
 
 
 def write_episode(group: Any, episode: Episode, *, cameras: bool = True) -> None:
@@ -188,7 +102,7 @@ class StoredFrames:
 
     def __iter__(self) -> Iterator[Image]:
         with opened(self.path) as file:
-            dataset = _dataset(file, self.key, self.path)
+            dataset = stored_array(file, self.key, self.path)
             for i in range(len(dataset)):
                 yield np.asarray(dataset[i], np.uint8)
 
@@ -204,18 +118,18 @@ def read_trajectory(
         rate: Steps per second where the episode has no `times`.
         anchors: Segment -> object, where graft did not write the file; see `segments_from_signals`.
     """
-    if _link(group, "datagen_info", path) is None:
+    if not has(group, "datagen_info", path):
         raise InputError(
             f"{group.name}: no datagen_info, which has the poses; MimicGen's prepare_src_dataset adds it", path=path
         )
-    info = _group(group, "datagen_info", path)
+    info = subgroup(group, "datagen_info", path)
     targets = numbers(info, "target_pose", path, (None, 4, 4))
     n = len(targets)
     gripper = numbers(info, "gripper_action", path, None).reshape(n, -1)
     if gripper.shape[1] != 1:
         raise InputError(f"{info.name}/gripper_action: expected shape ({n}, 1), got {gripper.shape}", path=path)
-    has_times = _link(group, "times", path) is not None
-    signals = {key: array for key, array in _children(info, "subtask_term_signals", path, (n,)).items()}
+    has_times = has(group, "times", path)
+    signals = numbers_in(info, "subtask_term_signals", path, (n,))
     written = info.attrs.get("segments") if "graft_schema" in group.attrs else None
     with malformed_is_input_error(path, f"{info.name} segments"):
         if written is not None and anchors is None:
@@ -227,7 +141,7 @@ def read_trajectory(
             T_world_target=targets,
             gripper=gripper[:, 0],
             T_world_gripper=numbers(info, "eef_pose", path, (n, 4, 4)),
-            T_world_object=_children(info, "object_poses", path, (n, 4, 4)),
+            T_world_object=numbers_in(info, "object_poses", path, (n, 4, 4)),
             segments=segments,
         )
 
@@ -287,10 +201,10 @@ def _observations(group: Any, path: Path, n: int) -> tuple[dict[str, Floats], di
     """Return the observations with the one after the last action, and the cameras."""
     observations: dict[str, Floats] = {}
     cameras: dict[str, StoredFrames] = {}
-    if _link(group, "obs", path) is None:
+    if not has(group, "obs", path):
         return observations, cameras
-    for key in _group(group, "obs", path):
-        dataset = _dataset(group, f"obs/{key}", path)
+    for key in subgroup(group, "obs", path):
+        dataset = stored_array(group, f"obs/{key}", path)
         if dataset.ndim == 4 and dataset.dtype == np.uint8:
             if len(dataset) != n:
                 raise InputError(f"{dataset.name}: expected {n} frames, got {len(dataset)}", path=path)
@@ -298,69 +212,7 @@ def _observations(group: Any, path: Path, n: int) -> tuple[dict[str, Floats], di
             continue
         before = numbers(group, f"obs/{key}", path, None).reshape(len(dataset), -1)
         after = before
-        if _link(group, f"next_obs/{key}", path) is not None:
+        if has(group, f"next_obs/{key}", path):
             after = numbers(group, f"next_obs/{key}", path, None).reshape(len(dataset), -1)
         observations[key] = np.concatenate([before, after[-1:]])
     return observations, cameras
-
-
-def numbers(group: Any, key: str, path: Path, shape: tuple[int | None, ...] | None) -> Floats:
-    """Return a dataset as finite float64.
-
-    Args:
-        group: An h5py group.
-        key: Of the dataset.
-        path: Its file, for messages.
-        shape: That is expected, None for any length; None for any shape.
-
-    Raises:
-        InputError: Not there, too large, no numbers, another shape, not finite; the message has file and key.
-    """
-    dataset = _dataset(group, key, path)
-    name = f"{group.name}/{key}".replace("//", "/")
-    if dataset.dtype.kind not in "biuf":
-        raise InputError(f"{name}: expected numbers, got {dataset.dtype}", path=path)
-    with malformed_is_input_error(path, name):
-        array = np.asarray(dataset[()], np.float64)
-        return checked_array(name, array, (None,) * array.ndim if shape is None else shape)  # type: ignore[no-any-return]
-
-
-def _children(group: Any, key: str, path: Path, shape: tuple[int, ...]) -> dict[str, Floats]:
-    if _link(group, key, path) is None:
-        return {}
-    return {name: numbers(group, f"{key}/{name}", path, shape) for name in _group(group, key, path)}
-
-
-def _link(group: Any, key: str, path: Path) -> Any:
-    """Return the link `key`, or None; links out of the file are refused, they could read anything."""
-    h5py = load_h5py()
-    here = group
-    link = None
-    for step in key.strip("/").split("/"):
-        if not isinstance(here, h5py.Group):
-            return None
-        link = here.get(step, getlink=True)
-        if link is None:
-            return None
-        if not isinstance(link, h5py.HardLink):
-            raise InputError(f"{here.name}/{step}: links to other places are not followed", path=path)
-        here = here[step]
-    return link
-
-
-def _group(group: Any, key: str, path: Path) -> Any:
-    if _link(group, key, path) is None or not hasattr(group[key], "keys"):
-        raise InputError(f"{group.name}/{key}: expected a group, there is none".replace("//", "/"), path=path)
-    return group[key]
-
-
-def _dataset(group: Any, key: str, path: Path) -> Any:
-    name = f"{group.name}/{key}".replace("//", "/")
-    if _link(group, key, path) is None or not hasattr(group[key], "dtype"):
-        raise InputError(f"{name}: expected an array, there is none", path=path)
-    dataset = group[key]
-    if dataset.external or dataset.is_virtual:
-        raise InputError(f"{name}: arrays kept in other files are not read", path=path)
-    if dataset.size is None or dataset.size * dataset.dtype.itemsize > MAX_DATASET_BYTES:
-        raise InputError(f"{name}: larger than the {MAX_DATASET_BYTES} bytes that are read", path=path)
-    return dataset

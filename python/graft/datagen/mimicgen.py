@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graft.checks import Floats
-from graft.datagen.layout import DEFAULT_RATE, opened, read_trajectory
+from graft.datagen.hdf5 import opened
+from graft.datagen.layout import DEFAULT_RATE, read_trajectory
 from graft.datagen.writers.robomimic import demo_keys
 from graft.errors import InputError
 from graft.io.guards import parse_json

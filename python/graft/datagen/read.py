@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Literal
 
 from graft.datagen.episode import Episode
-from graft.datagen.layout import opened, read_episode
+from graft.datagen.hdf5 import opened
+from graft.datagen.layout import read_episode
 from graft.datagen.writers.robomimic import demo_keys, part_files
 from graft.errors import InputError
 from graft.io.guards import parse_json, read_json

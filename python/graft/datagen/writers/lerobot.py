@@ -23,7 +23,8 @@ import numpy as np
 from graft import __version__
 from graft.datagen.durable import locked, put, remove_drafts, swap
 from graft.datagen.episode import Episode, checked_frame
-from graft.datagen.layout import check_frame_count, load_h5py
+from graft.datagen.hdf5 import load_h5py
+from graft.datagen.layout import check_frame_count
 from graft.datagen.writers.robomimic import write_part
 from graft.datagen.writers.shards import Shards
 from graft.datagen.writers.statistics import STATISTICS, ImageStatistics, Statistics, Total, of_rows

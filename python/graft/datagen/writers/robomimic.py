@@ -21,7 +21,8 @@ import numpy as np
 
 from graft.datagen.durable import locked, remove_drafts
 from graft.datagen.episode import SUCCESS, Episode
-from graft.datagen.layout import SCHEMA, load_h5py, opened, write_episode, written
+from graft.datagen.hdf5 import load_h5py, opened, written
+from graft.datagen.layout import SCHEMA, write_episode
 from graft.errors import InputError
 
 VALID_EVERY = 10
