@@ -13,6 +13,7 @@ from sample_episodes import assert_same, episode
 
 pytest.importorskip("h5py")
 pytest.importorskip("av")
+pq = pytest.importorskip("pyarrow.parquet")
 
 from graft.datagen.export import open_writer
 from graft.datagen.read import read_episodes
@@ -126,6 +127,23 @@ def test_stopped_at_every_rename_it_ends_as_if_never_stopped(tmp_path, monkeypat
         for one, other in zip(read_episodes(path), read_episodes(whole), strict=True):
             assert_same(one, other)
         shutil.rmtree(path.parent)
+
+
+def test_opening_takes_back_what_was_not_finished(tmp_path, monkeypatch):
+    path = tmp_path / "lift"
+    with open_writer(path) as writer:
+        writer.append(episode(0, cameras=("front",)))
+    whole = tree(path)
+    with monkeypatch.context() as patch:
+        crashing_at(patch, 5, after=True)  # stats and info on opening, record, video, steps; not the row
+        with pytest.raises(Crash), open_writer(path) as writer:
+            writer.append(episode(3, cameras=("front",)))
+    assert tree(path).keys() != whole.keys()
+    open_writer(path).close()
+    assert tree(path).keys() == whole.keys()
+    steps = pq.read_table(path / "data/chunk-000/file-000.parquet", partitioning=None)
+    assert set(steps["episode_index"].to_pylist()) == {0}
+    assert not (path / "graft/chunk-000/file-001.hdf5").exists()
 
 
 def limited(size):

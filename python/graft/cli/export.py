@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Literal
 
 import tyro
+from rich.console import Console
+from rich.progress import Progress, TextColumn, TimeElapsedColumn
 
 from graft.cli import EXIT_OK
 from graft.cli.options import print_json
@@ -33,7 +35,16 @@ class Export:
 
     def run(self) -> int:
         """Export and say what was written; returns the exit code."""
-        done = export_episodes(self.source, self.target, None if self.format == "auto" else self.format)
+        console = Console(stderr=True)
+        columns = TextColumn("{task.completed} episodes"), TimeElapsedColumn()
+        with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+            task = bar.add_task("export", total=None)
+            done = export_episodes(
+                self.source,
+                self.target,
+                None if self.format == "auto" else self.format,
+                progress=lambda count: bar.update(task, completed=count),
+            )
         if self.json:
             print_json({"source": str(self.source), "target": str(self.target), **asdict(done)})
         else:

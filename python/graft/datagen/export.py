@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +47,13 @@ def open_writer(path: str | Path, format: Format | None = None) -> RobomimicWrit
     return RobomimicWriter(path)
 
 
-def export_episodes(source: str | Path, target: str | Path, format: Format | None = None) -> Exported:
+def export_episodes(
+    source: str | Path,
+    target: str | Path,
+    format: Format | None = None,
+    *,
+    progress: Callable[[int], None] = lambda _: None,
+) -> Exported:
     """Copy all episodes into another format, in the memory of one; again, it goes on where it was interrupted.
 
     Nothing is lost but that LeRobot's videos are compressed with loss.
@@ -55,6 +62,7 @@ def export_episodes(source: str | Path, target: str | Path, format: Format | Non
         source: What `read_episodes` reads.
         target: Written, or added to.
         format: Of the target; by its suffix by default.
+        progress: Told the number of episodes done.
 
     Raises:
         InputError: The source cannot be read, or the target not written; what was written by then stays.
@@ -75,5 +83,6 @@ def export_episodes(source: str | Path, target: str | Path, format: Format | Non
                 steps += len(episode)
             else:
                 present += 1
+            progress(written + present)
             episode = next(episodes, None)
     return Exported(format or format_of(target), written, present, steps)

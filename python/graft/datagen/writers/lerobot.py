@@ -252,8 +252,16 @@ class LeRobotWriter:
             self._info["total_tasks"] = len(self._tasks)
         self._data.resume(len(self._names))
         self._episodes.resume(len(self._names))
+        self._remove_unfinished(len(self._names))
         if self._names:
             self._write_summary()
+
+    def _remove_unfinished(self, index: int) -> None:
+        """Remove record and videos of the episode that a killed writer did not get to enter."""
+        videos = [key for key in self._info["features"] if key.startswith(IMAGES)]
+        (self.root / RECORD_PATH.format(**place(index))).unlink(missing_ok=True)
+        for key in videos:
+            (self.root / VIDEO_PATH.format(video_key=key, **place(index))).unlink(missing_ok=True)
 
 
 def check_folder(root: Path) -> None:
