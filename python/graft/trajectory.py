@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation, Slerp
 
 from graft.checks import ROTATION_TOLERANCE, Floats, Ints, checked_array
 from graft.errors import InputError
@@ -50,6 +49,8 @@ def poses_from_quaternions(name: str, positions: ArrayLike, quaternions: ArrayLi
     Raises:
         InputError: A quaternion's length is further from 1 than `QUATERNION_TOLERANCE`.
     """
+    from scipy.spatial.transform import Rotation
+
     places: Floats = checked_array(f"{name} positions", positions, (None, 3))
     turns: Floats = checked_array(f"{name} quaternions", quaternions, (len(places), 4))
     lengths = np.linalg.norm(turns, axis=1)
@@ -281,6 +282,8 @@ class Trajectory:
 
 
 def _interpolated(times: Floats, poses: Floats, at: Floats) -> Floats:
+    from scipy.spatial.transform import Rotation, Slerp
+
     if len(times) == 1:
         return np.repeat(poses, len(at), axis=0)
     result = np.tile(np.eye(4), (len(at), 1, 1))

@@ -15,16 +15,16 @@ pytest.importorskip("h5py")
 pytest.importorskip("av")
 pq = pytest.importorskip("pyarrow.parquet")
 
-from graft.datagen.export import open_writer
-from graft.datagen.read import read_episodes
-from graft.errors import InputError
+from graft.datagen.export import open_writer  # noqa: E402
+from graft.datagen.read import read_episodes  # noqa: E402
+from graft.errors import InputError  # noqa: E402
 
 HERE = Path(__file__).parent
 WRITE = """
 import sys
 sys.path.insert(0, sys.argv[1])
 from sample_episodes import episode
-from graft.datagen.export import open_writer
+from graft.datagen.export import open_writer  # noqa: E402
 with open_writer(sys.argv[2]) as writer:
     print("open", flush=True)
     for number in range(int(sys.argv[3])):
@@ -198,8 +198,8 @@ import sys
 sys.path.insert(0, sys.argv[1])
 from pathlib import Path
 from sample_episodes import episode
-from graft.datagen.export import open_writer
-from graft.datagen.read import read_episodes
+from graft.datagen.export import open_writer  # noqa: E402
+from graft.datagen.read import read_episodes  # noqa: E402
 from graft.datagen.writers import lerobot
 lerobot.DATA_BYTES = lerobot.EPISODES_BYTES = 1 << 16  # so that 150 episodes fill several files
 pages = lambda: int(Path("/proc/self/statm").read_text().split()[1]) * 4096
