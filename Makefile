@@ -7,10 +7,10 @@ SHARED ?=
 CORE   := $(shell find rust -name '*.rs') Cargo.toml Cargo.lock rust/graft-core/Cargo.toml rust/graft-py/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow lint docs bench wheel clean
+.PHONY: help demo test test-slow lint docs bench verify-formats wheel clean
 
 help:  ## Print this list
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/\t/' | expand -t 16
 
 demo: $(VENV)/.demo  ## Set up, then transfer contacts to unseen objects; pictures, page and JSON in out/
 	$(BIN)/graft demo --out $(OUT)
@@ -39,6 +39,9 @@ bench: $(VENV)/.dev  ## Benchmarks against peers; SHARED=folder of labelled obje
 	$(BIN)/python benches/descriptor.py $(if $(SHARED),--objects $(SHARED))
 	$(BIN)/python benches/transport.py
 	$(BIN)/python benches/pipeline.py $(SHARED)
+
+verify-formats: $(VENV)/.dev  ## robomimic's and LeRobot's own loaders read our files (downloads 3 GB, needs 7); WORK=folder
+	$(BIN)/python benches/verify_formats.py $(if $(WORK),--work $(WORK))
 
 wheel: $(VENV)/.dev  ## Build the wheel into dist/
 	$(BIN)/maturin build --release --out dist

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,9 @@ from graft.checks import Floats as Floats
 from graft.checks import Ints as Ints
 from graft.checks import checked_array, is_rotation, similarity_scale, unit_vector
 from graft.errors import InputError
+
+if TYPE_CHECKING:
+    from graft.trajectory import Trajectory
 
 JointType = Literal["fixed", "hinge", "slide", "ball", "free", "planar"]
 JOINT_TYPES: tuple[str, ...] = ("fixed", "hinge", "slide", "ball", "free", "planar")
@@ -276,16 +279,27 @@ class Demonstration:
         contact: Where it was taken.
         name: Unique in a library; the object's name by default.
         metadata: Strings and numbers that travel with it (task, author, licence).
+        grasp: (4, 4) T_object_gripper in which it was taken, in metres whatever the object's unit; None when not
+            demonstrated. The gripper frame is that of `graft.grasp.gripper`.
+        trajectory: What the gripper did; the object is called `graft.trajectory.DEMONSTRATED` in it. None when not
+            demonstrated.
     """
 
     object: PartObject
     contact: Contact
     name: str = ""
     metadata: Mapping[str, Any] = field(default_factory=dict)
+    grasp: Floats | None = None
+    trajectory: Trajectory | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", self.name or self.object.name)
         self.object.part_index(self.contact.part)
+        if self.grasp is not None:
+            where = f"demonstration {self.name!r} grasp"
+            object.__setattr__(self, "grasp", checked_array(where, self.grasp, (4, 4)))
+            if not is_rotation(self.grasp[:3, :3]) or self.grasp[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
+                raise InputError(f"{where}: expected a rotation and a translation in metres")
 
 
 def unique_names(names: Iterable[str]) -> tuple[str, ...]:

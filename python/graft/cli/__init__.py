@@ -21,6 +21,7 @@ VERBS = {
     "transfer": ("TransferCommand", "Transfer a contact from a library of demonstrations to an object."),
     "grasp": ("GraspCommand", "Plan grasps of an object near a contact, on a part, or anywhere."),
     "simulate": ("Simulate", "Try grasps of an object in physics; pictures, films, JSON."),
+    "export": ("Export", "Copy episodes between robomimic's HDF5 and LeRobot datasets."),
     "evaluate": ("Evaluate", "Measure transferred contacts: affordance, ablation, diversity."),
 }
 """Verb -> (class in graft.cli.<verb>, one line of help)."""

@@ -19,6 +19,7 @@ from graft.io.guards import malformed_is_input_error, read_json, resolve_inside
 from graft.io.load import load_object
 from graft.io.save import save_object
 from graft.io.sidecar import is_number, is_whole
+from graft.io.trajectories import load_trajectory, save_trajectory
 from graft.marking import closest_surface_point
 from graft.objects import Contact, Demonstration, Floats, PartObject
 
@@ -27,6 +28,9 @@ SCHEMA = 1
 
 OBJECT_FILE = "object.glb"
 """What `save_demonstration` calls the object."""
+
+TRAJECTORY_FILE = "trajectory.npz"
+"""What `save_demonstration` calls the trajectory."""
 
 ON_SURFACE = 0.02
 """A contact this share of the object's diagonal off the surface is on it, as points that people click are; it
@@ -70,7 +74,18 @@ def load_demonstration(folder: str | Path) -> Demonstration:
         obj = _described(obj, words, path)
         contact = _contact(obj, words, path)
         metadata = _get(words, "metadata", dict, path) or {}
-        return Demonstration(obj, contact, _get(words, "name", str, path) or folder.resolve().name, metadata)
+        name = _get(words, "name", str, path) or folder.resolve().name
+        trajectory = _get(words, "trajectory", str, path)
+        if trajectory is not None:
+            resolve_inside(trajectory, root=folder, path=path)
+        return Demonstration(
+            obj,
+            contact,
+            name,
+            metadata,
+            grasp=_get(words, "grasp", list, path),
+            trajectory=None if trajectory is None else load_trajectory(folder / trajectory.replace("\\", "/")),
+        )
 
 
 def load_demonstrations(root: str | Path) -> list[Demonstration]:
@@ -106,7 +121,7 @@ def load_demonstrations(root: str | Path) -> list[Demonstration]:
 
 
 def save_demonstration(folder: str | Path, demonstration: Demonstration) -> None:
-    """Write a demonstration as a folder with object.glb and demonstration.json.
+    """Write a demonstration as a folder with object.glb, demonstration.json and, if it has one, trajectory.npz.
 
     The folder appears at once and complete. One that this function wrote before is replaced.
 
@@ -122,7 +137,8 @@ def save_demonstration(folder: str | Path, demonstration: Demonstration) -> None
     if folder.exists():
         if not folder.is_dir():
             raise InputError("expected a folder, it is a file", path=folder)
-        others = sorted(p.name for p in folder.iterdir() if p.name not in (OBJECT_FILE, DEMONSTRATION_FILE))
+        ours = (OBJECT_FILE, DEMONSTRATION_FILE, TRAJECTORY_FILE)
+        others = sorted(p.name for p in folder.iterdir() if p.name not in ours)
         if others:
             raise InputError(f"the folder holds other files, nothing is written: {', '.join(others[:5])}", path=folder)
     document = {
@@ -141,6 +157,10 @@ def save_demonstration(folder: str | Path, demonstration: Demonstration) -> None
         },
         "metadata": dict(demonstration.metadata),
     }
+    if demonstration.grasp is not None:
+        document["grasp"] = demonstration.grasp.tolist()
+    if demonstration.trajectory is not None:
+        document["trajectory"] = TRAJECTORY_FILE
     try:
         text = json.dumps(document, indent=1, allow_nan=False)
     except (TypeError, ValueError) as error:
@@ -150,6 +170,8 @@ def save_demonstration(folder: str | Path, demonstration: Demonstration) -> None
     try:
         new = work / "new"
         save_object(new / OBJECT_FILE, obj)
+        if demonstration.trajectory is not None:
+            save_trajectory(new / TRAJECTORY_FILE, demonstration.trajectory)
         write_whole(new / DEMONSTRATION_FILE, text.encode())
         if folder.exists():
             folder.rename(work / "old")

@@ -1,0 +1,1 @@
+"""The formats of trainers, written without their packages."""
