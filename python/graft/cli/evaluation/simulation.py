@@ -24,7 +24,7 @@ from graft.evaluate.methods import Graft
 from graft.evaluate.protocols import Benchmark
 from graft.evaluate.runner import described
 from graft.evaluate.simulation import Arena, sensitivity, simulate, simulated_methods
-from graft.evaluate.trials import OUTCOMES, QUOTED, Rate, TrialRow, margins, rate, rates_by, succeeded, usable
+from graft.evaluate.trials import OUTCOMES, QUOTED, STEADY, Rate, TrialRow, margins, rate, rates_by, succeeded, usable
 from graft.grasp import find_gripper
 from graft.sim import SimulationConfig
 
@@ -100,14 +100,17 @@ def _print_trials(console: Console, benchmark: Benchmark, arena: Arena, rows: Se
     ours = [row for row in plain if row.method == Graft().name]
     table = _table("method")
     for name, success in QUOTED.items():
-        table.add_row(name, "", f"{success:.2f}", *[""] * (len(OUTCOMES) - 1 + 2))
+        table.add_row(name, "", f"{success:.2f}", *[""] * (len(OUTCOMES) - 1 + 3))
     _print_rates(console, table, rates_by(plain, lambda row: row.method, seed))
     for name, good in (("SR", succeeded), ("usable", usable)):
         told = "  ".join(f"{m} {cell(e, 2, '+')}" for m, e in margins(plain, Graft().name, good, seed).items())
         if told:
             console.print(f"graft's {name} above: {told}")
-    console.print("\nSR success, AG no grasp found, GF grasp failure, SL slippage, UN unstable; usable: held by a")
-    console.print("graspable part to the end; fitting: SR where the gripper can hold a graspable part at all")
+    console.print(
+        "\nSR success, AG no grasp found, GF grasp failure, SL slippage, UN unstable; usable: held by a graspable part to "
+        f"the end;\nsteady: success, turned in the hand by at most {STEADY:g} degrees; fitting: SR where the gripper can "
+        "hold a graspable part at all"
+    )
     console.print("\ngraft per object")
     _print_rates(console, _table("object"), rates_by(ours, lambda row: row.category, seed))
     varied = [row for row in rows if row.setting]
@@ -120,7 +123,7 @@ def _print_trials(console: Console, benchmark: Benchmark, arena: Arena, rows: Se
 def _table(first: str) -> Table:
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column(first, no_wrap=True)
-    for column in ("trials", *OUTCOMES.values(), "usable", "fitting"):
+    for column in ("trials", *OUTCOMES.values(), "usable", "steady", "fitting"):
         table.add_column(column, justify="right", no_wrap=True)
     return table
 
@@ -129,7 +132,15 @@ def _print_rates(console: Console, table: Table, rates: Sequence[Rate]) -> None:
     for found in rates:
         _, *others = (str(found.counts[outcome.value]) for outcome in OUTCOMES)
         fitting = "-" if found.fitting is None else cell(found.fitting, 2)
-        table.add_row(found.name, str(found.trials), cell(found.success, 2), *others, cell(found.usable, 2), fitting)
+        table.add_row(
+            found.name,
+            str(found.trials),
+            cell(found.success, 2),
+            *others,
+            cell(found.usable, 2),
+            cell(found.steady, 2),
+            fitting,
+        )
     console.print(table)
 
 
