@@ -413,6 +413,7 @@ def antipodal_grasps(
     fingers: int,
     stroke: float,
     contact: tuple[float, ...] | None,
+    tolerance: float,
     approach: tuple[float, ...] | None,
     radius: float,
     part: int | None,

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from graft.cli.evaluation.contacts import Ablation, Affordance, Varied
+from graft.cli.evaluation.simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,7 @@ class Evaluate:
         Annotated[Affordance, tyro.conf.subcommand("affordance")]
         | Annotated[Ablation, tyro.conf.subcommand("ablation")]
         | Annotated[Varied, tyro.conf.subcommand("diversity")]
+        | Annotated[Simulation, tyro.conf.subcommand("simulation")]
     ]
 
     def run(self) -> int:

@@ -8,7 +8,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from graft.checks import Floats, Ints
-from graft.errors import InputError
 from graft.objects import PartObject
 
 BALL_SPACINGS = 1.0
@@ -16,10 +15,6 @@ BALL_SPACINGS = 1.0
 
 NEIGHBOURS = 16
 """Points by whose plane a cloud's unknown normals are estimated; the core's number."""
-
-OFF_SURFACE = 0.01
-"""Distance, in metres, from which a contact no longer lies on the surface: half a Panda's pad. Transferred contacts lie
-on it; marked ones may be off by the coarseness of another mesh of the same object."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,38 +110,3 @@ def _plane_normals(points: Floats) -> Floats:
     normals: Floats = vectors[:, :, 0]
     return normals
 
-
-def check_on_surface(surface: Surface, point: Floats, name: str) -> None:
-    """Raise `InputError` when a point is farther than `OFF_SURFACE` from the triangles' planes and edges."""
-    distance = surface_distance(surface, point)
-    if distance > OFF_SURFACE:
-        raise InputError(
-            f"contact of object {name!r}: expected a point within {1e3 * OFF_SURFACE:g} mm of the surface, got "
-            f"{point.round(4).tolist()} m, {1e3 * distance:.3g} mm off it"
-        )
-
-
-def surface_distance(surface: Surface, point: Floats) -> float:
-    """Return the distance of a point (3,) from the nearest triangle, metres; infinity where there is none.
-
-    Ericson 2005, "Real-Time Collision Detection", 5.1.5: the foot on the plane where it falls inside, else on an edge.
-    """
-    a, b, c = (surface.vertices[surface.faces[:, k]] - point for k in range(3))
-    if not len(a):
-        return float("inf")
-    nearest = np.inf
-    for start, end in ((a, b), (b, c), (c, a)):
-        along = end - start
-        length = np.einsum("ij,ij->i", along, along)
-        share = np.clip(-np.einsum("ij,ij->i", start, along) / np.where(length > 0, length, 1.0), 0.0, 1.0)
-        nearest = min(nearest, float(np.linalg.norm(start + share[:, None] * along, axis=1).min()))
-    normal = np.cross(b - a, c - a)
-    size = np.linalg.norm(normal, axis=1)
-    inside = size > 0
-    for start, end in ((a, b), (b, c), (c, a)):
-        # The foot of the origin lies on the inner side of every edge.
-        inside &= np.einsum("ij,ij->i", np.cross(end - start, -start), normal) >= 0
-    if inside.any():
-        height = np.abs(np.einsum("ij,ij->i", a[inside], normal[inside])) / size[inside]
-        nearest = min(nearest, float(height.min()))
-    return nearest

@@ -34,7 +34,7 @@ class MotionConfig:
     clearance: float = 0.001
     step: float = 0.2
     goal_bias: float = 0.05
-    max_iterations: int = 5000
+    max_iterations: int = 20000
     time_limit: float | None = None
     shortcuts: int = 30
     margin: float = 0.3

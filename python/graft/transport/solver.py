@@ -292,6 +292,8 @@ def ufgw_packed(
 
 
 def _check_counts(max_outer: int, n_init: int, seed: int) -> None:
+    if max_outer >= 1 and n_init >= 1 and seed >= 0:
+        return
     for name, value, least in (("max_outer", max_outer, 1), ("n_init", n_init, 1), ("seed", seed, 0)):
         if value < least:
             raise InputError(f"{name}: expected at least {least}, got {value}")

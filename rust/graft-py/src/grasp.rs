@@ -103,7 +103,7 @@ type Grasps<'py> = (
 /// Find antipodal grasps that a parallel gripper can reach, best first.
 #[pyfunction]
 #[pyo3(signature = (*, vertices, faces, face_parts, centers, half_extents, rotations, fingers, stroke, contact,
-                    approach, radius, part, plane, up, weights, depths, samples, rays, pairs, approaches, cone,
+                    tolerance, approach, radius, part, plane, up, weights, depths, samples, rays, pairs, approaches, cone,
                     clearance, margin, travel, spacing, turn, count, seed))]
 // One argument for each array that crosses, and for each parameter.
 #[allow(clippy::too_many_arguments)]
@@ -118,6 +118,7 @@ pub fn antipodal_grasps<'py>(
     fingers: usize,
     stroke: f64,
     contact: Option<[f64; 3]>,
+    tolerance: f64,
     approach: Option<[f64; 3]>,
     radius: f64,
     part: Option<usize>,
@@ -145,6 +146,7 @@ pub fn antipodal_grasps<'py>(
         hand: hand_of(&centers, &half_extents, &rotations, fingers)?,
         stroke,
         contact: contact.map(Vec3::from),
+        tolerance,
         radius,
         approach: approach.map(Vec3::from),
         part,

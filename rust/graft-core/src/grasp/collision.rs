@@ -1,7 +1,7 @@
 //! Whether a gripper made of boxes touches an object made of triangles and balls.
 
 use super::boxes::{Hand, Pose};
-use super::separating::{meets_ball, meets_triangle};
+use super::separating::{meets_ball, meets_triangle, nearest_on_triangle};
 use super::tree::{Aabb, Tree};
 use crate::geometry::crossing::crossing;
 use crate::geometry::{OrientedBox, Vec3};
@@ -143,5 +143,16 @@ impl Collider {
             }
             false
         });
+    }
+
+    /// Whether a triangle comes within `radius` of a point.
+    #[must_use]
+    pub fn reaches(&self, point: &Vec3, radius: f64) -> bool {
+        let from = point - self.origin;
+        let around = OrientedBox { center: from, axes: [Vec3::x(), Vec3::y(), Vec3::z()], half_extents: [radius; 3] };
+        self.tree.any(&around, |index| {
+            let near = |corners| (nearest_on_triangle(corners, &from) - from).norm_squared() <= radius * radius;
+            self.triangles.get(index).is_some_and(near)
+        })
     }
 }

@@ -25,6 +25,8 @@ pub struct Request<'a> {
     pub stroke: f64,
     /// Where: a point on the surface.
     pub contact: Option<Vec3>,
+    /// How far off the surface the point may be.
+    pub tolerance: f64,
     /// How far around it pads may press.
     pub radius: f64,
     /// The demonstrated approach, a unit vector.
@@ -44,7 +46,8 @@ pub struct Request<'a> {
 /// Find grasps.
 ///
 /// # Errors
-/// A face has a vertex that is not there or no part, the surface has no area, or a parameter is out of its range.
+/// A face has a vertex that is not there or no part, the surface has no area, the contact lies off it, or a parameter is
+/// out of its range.
 pub fn plan(request: &Request<'_>) -> Result<Answer, Error> {
     let vertices = points_of(request.vertices);
     let faces = faces_of(request.faces, vertices.len())?;
@@ -60,6 +63,10 @@ pub fn plan(request: &Request<'_>) -> Result<Answer, Error> {
     let sides = sides(&vertices, &faces, &face_parts, count);
     let center = center_of_mass(&vertices, &faces, &face_parts, &sides)?;
     let collider = Collider::new(&vertices, &faces);
+    if let Some(point) = request.contact.filter(|point| !collider.reaches(point, request.tolerance)) {
+        let expected = format!("a point within {:.3} m of the surface", request.tolerance);
+        return Err(Error::value("contact", expected, format!("[{:.4}, {:.4}, {:.4}]", point.x, point.y, point.z)));
+    }
     let settings = &request.settings;
     let scene = Scene {
         sheet: Sheet { vertices: &vertices, faces: &faces, face_parts: &face_parts, sides: &sides },
@@ -106,7 +113,13 @@ fn check(request: &Request<'_>) -> Result<(), Error> {
     if settings.cone >= std::f64::consts::FRAC_PI_2 {
         return Err(Error::value("cone", "less than a right angle", settings.cone));
     }
-    for (name, value) in [("clearance", settings.clearance), ("margin", settings.margin), ("travel", settings.travel)] {
+    let lengths = [
+        ("tolerance", request.tolerance),
+        ("clearance", settings.clearance),
+        ("margin", settings.margin),
+        ("travel", settings.travel),
+    ];
+    for (name, value) in lengths {
         if !(value.is_finite() && value >= 0.0) {
             return Err(Error::value(name, "a number of at least 0", value));
         }

@@ -49,3 +49,24 @@ pub fn meets_ball(given: &OrientedBox, center: &Vec3, radius: f64) -> bool {
         .sum();
     outside <= radius * radius
 }
+
+/// The point of a triangle that is nearest to a given one (Ericson 2005, 5.1.5); of degenerate ones, of their edges.
+#[must_use]
+pub fn nearest_on_triangle(corners: &[Vec3; 3], point: &Vec3) -> Vec3 {
+    let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+    let is_inside = |k: usize| {
+        let (start, end) = (corners[k], corners[(k + 1) % 3]);
+        (end - start).cross(&(point - start)).dot(&normal) >= 0.0
+    };
+    if normal.norm_squared() > 0.0 && (0..3).all(is_inside) {
+        return point - normal * ((point - corners[0]).dot(&normal) / normal.norm_squared());
+    }
+    let on_edge = |k: usize| {
+        let (start, along) = (corners[k], corners[(k + 1) % 3] - corners[k]);
+        let length = along.norm_squared();
+        let share = if length > 0.0 { ((point - start).dot(&along) / length).clamp(0.0, 1.0) } else { 0.0 };
+        start + along * share
+    };
+    let nearer = |a: Vec3, b: Vec3| if (b - point).norm_squared() < (a - point).norm_squared() { b } else { a };
+    nearer(nearer(on_edge(0), on_edge(1)), on_edge(2))
+}

@@ -1,5 +1,6 @@
 //! A hand that flies freely: the space of its poses.
 
+use nalgebra::UnitQuaternion;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
@@ -10,6 +11,12 @@ use crate::geometry::{OrientedBox, Vec3};
 
 /// Share of the samples whose rotation lies between those of start and goal; the others are drawn from all rotations.
 const TOWARDS_GOAL: f64 = 0.5;
+
+/// Share of the samples that lie near start or goal: the ways out of a handle are short.
+const NEAR_ENDS: f64 = 0.3;
+
+/// How far such samples lie at most, in radii of the hand and in radians along each axis.
+const FARTHEST: f64 = 0.7;
 
 /// Rigid boxes among obstacles.
 #[derive(Debug)]
@@ -36,6 +43,17 @@ pub fn reach(boxes: &[OrientedBox]) -> f64 {
     boxes.iter().flat_map(|b| (0..8).map(move |k| corner(b, k).norm())).fold(0.0, f64::max)
 }
 
+impl Hand<'_> {
+    /// A pose at most [`FARTHEST`] times the radius away from start or goal, near ones as likely as far ones.
+    fn near_an_end(&self, random: &mut Pcg64) -> Pose {
+        let end = self.ends[usize::from(random.random_bool(0.5))];
+        let scale = FARTHEST * random.random::<f64>();
+        let mut offset = || Vec3::from_fn(|_, _| scale * (2.0 * random.random::<f64>() - 1.0));
+        let (shift, turn) = (offset() * self.radius, offset());
+        Pose { position: end.position + shift, rotation: UnitQuaternion::from_scaled_axis(turn) * end.rotation }
+    }
+}
+
 impl Space for Hand<'_> {
     type State = Pose;
 
@@ -50,6 +68,9 @@ impl Space for Hand<'_> {
     }
 
     fn sample(&self, random: &mut Pcg64) -> Pose {
+        if random.random_bool(NEAR_ENDS) {
+            return self.near_an_end(random);
+        }
         let [low, high] = self.bounds;
         let position = Vec3::from_fn(|k, _| low[k] + (high[k] - low[k]) * random.random::<f64>());
         let rotation = if random.random_bool(TOWARDS_GOAL) {

@@ -99,8 +99,16 @@ const LARGEST_TASK: usize = 512;
 /// Padded sizes: a graph takes the next one up.
 const CLASSES: [usize; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 20, lanes::LARGEST];
 
+/// So few pairs are solved sooner one after the other: at n = 6 eight lanes take as long as three pairs, at n = 20 as five.
+const ALONE: usize = 3;
+
 fn class(n: usize) -> usize {
     CLASSES.partition_point(|&size| size < n)
+}
+
+/// Whether vectors along the nodes are full enough, and pairs side by side would leave the processor's caches.
+fn large(input: &Input) -> bool {
+    input.source_mass.len().max(input.target_mass.len()) > lanes::LARGEST
 }
 
 /// How a batch is to be run.
@@ -126,6 +134,9 @@ pub fn solve_batch(inputs: &[Input], options: &Options, run: &Run) -> Result<Vec
         if run.threads == 1 || inputs.len() == 1 {
             return solve_all(inputs, options, run, true);
         }
+        return solve_all(inputs, options, run, false);
+    }
+    if run.threads == rayon::current_num_threads() {
         return solve_all(inputs, options, run, false);
     }
     match rayon::ThreadPoolBuilder::new().num_threads(run.threads).build() {
@@ -155,13 +166,15 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
     }
     let tasks = if serial { 1 } else { 4 * rayon::current_num_threads() };
     let length = waiting.len().div_ceil(tasks).clamp(TASK, LARGEST_TASK);
+    // Large pairs are worth a task each.
+    let length_of = |group: &[usize]| if group.first().is_some_and(|&k| large(&inputs[k])) { 1 } else { length };
     let groups = |order: &[usize]| -> Vec<Vec<(usize, &Input)>> {
         let same = |a: &usize, b: &usize| {
             let of = |k: usize| (class(inputs[k].source_mass.len()), class(inputs[k].target_mass.len()));
             of(*a) == of(*b)
         };
         let pairs = |chunk: &[usize]| chunk.iter().map(|&k| (k, &inputs[k])).collect::<Vec<_>>();
-        order.chunk_by(same).flat_map(|group| group.chunks(length)).map(pairs).collect()
+        order.chunk_by(same).flat_map(|group| group.chunks(length_of(group))).map(pairs).collect()
     };
     if run.precision == Precision::F32 && !waiting.is_empty() {
         let task = |group: &Vec<(usize, &Input)>| in_lanes::<F32x16, F32x32>(group, options, run);
@@ -185,7 +198,9 @@ fn solve_all(inputs: &[Input], options: &Options, run: &Run, serial: bool) -> Re
 
 /// Solve a group in as few lanes as hold it: the width changes no bit.
 fn in_lanes<Few: Vector, Many: Vector>(group: &[(usize, &Input)], options: &Options, run: &Run) -> Outcome {
-    if group.len() <= Few::LANES {
+    if group.len() <= ALONE || group.first().is_some_and(|(_, input)| large(input)) {
+        lanes::run_alone::<Few>(group, options, run.history, run.instructions)
+    } else if group.len() <= Few::LANES {
         lanes::run::<Few>(group, options, run.history, run.instructions)
     } else {
         lanes::run::<Many>(group, options, run.history, run.instructions)

@@ -1,5 +1,9 @@
 //! The arrays of one block: pairs of one padded size side by side, one in each lane.
 
+// As in the kernel.
+#![allow(clippy::inline_always)]
+
+use super::aligned::Aligned;
 use super::product;
 use super::vector::Vector;
 use crate::transport::problem::Options;
@@ -8,20 +12,20 @@ use crate::transport::problem::Options;
 #[derive(Debug)]
 pub struct State<V> {
     /// T (n x m).
-    pub plan: Vec<V>,
+    pub plan: Aligned<V>,
     /// T1 (n).
-    pub u: Vec<V>,
+    pub u: Aligned<V>,
     /// T'1 (m).
-    pub v: Vec<V>,
+    pub v: Aligned<V>,
     /// C_GW(T) (n x m).
-    pub gradient: Vec<V>,
+    pub gradient: Aligned<V>,
     /// nu (m).
-    pub nu: Vec<V>,
+    pub nu: Aligned<V>,
 }
 
 impl<V: Vector> State<V> {
     fn zeros(n: usize, m: usize) -> Self {
-        let zeros = |len: usize| vec![V::splat(0.0); len];
+        let zeros = |len: usize| Aligned::new(V::splat(0.0), len);
         Self { plan: zeros(n * m), u: zeros(n), v: zeros(m), gradient: zeros(n * m), nu: zeros(m) }
     }
 }
@@ -62,26 +66,29 @@ pub struct Block<V> {
     pub n: usize,
     /// Padded target nodes.
     pub m: usize,
+    // Where the cell of a row and a column is in an n x m array: i down + j across.
+    down: usize,
+    across: usize,
     /// A (n x n).
-    pub source: Vec<V>,
+    pub source: Aligned<V>,
     /// B (m x m).
-    pub target: Vec<V>,
+    pub target: Aligned<V>,
     /// alpha M / eps (n x m).
-    pub features: Vec<V>,
+    pub features: Aligned<V>,
     /// mu (n).
-    pub mu: Vec<V>,
+    pub mu: Aligned<V>,
     /// delta (m).
-    pub prior: Vec<V>,
+    pub prior: Aligned<V>,
     /// Where the lanes are.
     pub at: State<V>,
     /// Where the last iteration would take them.
     pub to: State<V>,
     /// f / eps (n), absorbed in the kernel.
-    pub f: Vec<V>,
+    pub f: Aligned<V>,
     /// g / eps (m).
-    pub g: Vec<V>,
+    pub g: Aligned<V>,
     /// exp(-g / tau_t) up to a factor (m): the share of nu that its price asks for.
-    pub asked: Vec<V>,
+    pub asked: Aligned<V>,
     /// Log of that factor.
     pub asked_log: V,
     /// 1 / c of the M-step, see [`crate::transport::objective::Objective::update_target`].
@@ -91,19 +98,21 @@ pub struct Block<V> {
     /// The last iteration's report.
     pub report: Report<V>,
     /// exp((f + g - C) / eps) (n x m).
-    pub kernel: Vec<V>,
+    pub kernel: Aligned<V>,
     /// Some rows of A T, and B^2 v.
-    pub half: Vec<V>,
+    pub half: Aligned<V>,
     /// mu a (n).
-    pub rows: Vec<V>,
+    pub rows: Aligned<V>,
     /// nu b (m).
-    pub cols: Vec<V>,
+    pub cols: Aligned<V>,
+    /// Numbers of the pair that is being loaded.
+    pub loading: Loading,
     /// Logs of the scalings (n, m), and the source's asked shares (n).
-    pub log_rows: Vec<V>,
+    pub log_rows: Aligned<V>,
     /// See `log_rows`.
-    pub log_cols: Vec<V>,
+    pub log_cols: Aligned<V>,
     /// See `log_rows`.
-    pub asked_rows: Vec<V>,
+    pub asked_rows: Aligned<V>,
 }
 
 impl<V: Vector> Block<V> {
@@ -111,10 +120,12 @@ impl<V: Vector> Block<V> {
     #[must_use]
     pub fn new(n: usize, m: usize) -> Self {
         let zero = V::splat(0.0);
-        let zeros = |len: usize| vec![zero; len];
+        let zeros = |len: usize| Aligned::new(zero, len);
         Self {
             n,
             m,
+            down: m,
+            across: 1,
             source: zeros(n * n),
             target: zeros(m * m),
             features: zeros(n * m),
@@ -146,9 +157,55 @@ impl<V: Vector> Block<V> {
             half: zeros((product::ROWS + 1) * m),
             rows: zeros(n),
             cols: zeros(m),
+            loading: Loading::default(),
             log_rows: zeros(n),
             log_cols: zeros(m),
             asked_rows: zeros(n),
+        }
+    }
+
+    /// Allocate with n x m arrays column by column; `half` takes a whole array.
+    #[must_use]
+    pub fn by_columns(n: usize, m: usize) -> Self {
+        let block = Self::new(n, m);
+        Self { down: 1, across: n, half: Aligned::new(V::splat(0.0), n * m), ..block }
+    }
+
+    /// Where row i and column j meet in an n x m array.
+    #[inline(always)]
+    #[must_use]
+    pub fn cell(&self, i: usize, j: usize) -> usize {
+        i * self.down + j * self.across
+    }
+
+    /// How far apart the rows and the columns of an n x m array are.
+    #[must_use]
+    pub fn strides(&self) -> (usize, usize) {
+        (self.down, self.across)
+    }
+}
+
+/// What loading a pair works out by target node on the way.
+#[derive(Debug, Default)]
+pub struct Loading {
+    /// nu where both it and the prior have mass.
+    pub nu: Vec<f64>,
+    /// The prior where both have mass.
+    pub prior: Vec<f64>,
+    /// B nu.
+    pub by_col: Vec<f64>,
+    /// What B^2 nu adds to a column of the first gradient.
+    pub col_part: Vec<f64>,
+    /// g / eps to start from.
+    pub start_g: Vec<f64>,
+}
+
+impl Loading {
+    /// Zeros for that many target nodes.
+    pub fn clear(&mut self, m: usize) {
+        for numbers in [&mut self.nu, &mut self.prior, &mut self.by_col, &mut self.col_part, &mut self.start_g] {
+            numbers.clear();
+            numbers.resize(m, 0.0);
         }
     }
 }

@@ -104,7 +104,7 @@ pub fn judge<V: Vector>(
 pub fn start_objective<V: Vector>(block: &Block<V>, lane: usize, pair: &Lane, options: &Options) -> f64 {
     let problem = Problem::of_checked(pair.input, options);
     let objective = Objective::new(&problem, options);
-    let mut at = take(&block.at, lane, block.m, &problem);
+    let mut at = take(block, &block.at, lane, &problem);
     at.entropy = objective.entropy(&at);
     objective.terms(&at).em_objective()
 }
@@ -114,18 +114,18 @@ fn sum_t_log<V: Vector>(block: &Block<V>, lane: usize, pair: &Lane, options: &Op
     let problem = Problem::of_checked(pair.input, options);
     let mut objective = Objective::new(&problem, options);
     objective.nu = problem.cols.iter().map(|&j| block.at.nu[j].get(lane)).collect();
-    let point = take(&block.to, lane, block.m, &problem);
+    let point = take(block, &block.to, lane, &problem);
     let constant = pair.mu_mass * objective.nu.iter().sum::<f64>();
     objective.entropy(&point) + point.mass() - constant
 }
 
-fn take<V: Vector>(state: &State<V>, lane: usize, width: usize, problem: &Problem) -> Point {
+fn take<V: Vector>(block: &Block<V>, state: &State<V>, lane: usize, problem: &Problem) -> Point {
     let mut point = Point::zeros(problem.n, problem.m);
     for (i, &row) in problem.rows.iter().enumerate() {
         point.u[i] = state.u[row].get(lane);
         for (j, &col) in problem.cols.iter().enumerate() {
-            point.plan[i * problem.m + j] = state.plan[row * width + col].get(lane);
-            point.gradient[i * problem.m + j] = state.gradient[row * width + col].get(lane);
+            point.plan[i * problem.m + j] = state.plan[block.cell(row, col)].get(lane);
+            point.gradient[i * problem.m + j] = state.gradient[block.cell(row, col)].get(lane);
         }
     }
     for (j, &col) in problem.cols.iter().enumerate() {
@@ -138,8 +138,8 @@ fn search<V: Vector>(block: &mut Block<V>, lane: usize, pair: &Lane, options: &O
     let problem = Problem::of_checked(pair.input, options);
     let mut objective = Objective::new(&problem, options);
     objective.nu = problem.cols.iter().map(|&j| block.at.nu[j].get(lane)).collect();
-    let mut at = take(&block.at, lane, block.m, &problem);
-    let mut to = take(&block.to, lane, block.m, &problem);
+    let mut at = take(block, &block.at, lane, &problem);
+    let mut to = take(block, &block.to, lane, &problem);
     at.entropy = objective.entropy(&at);
     to.entropy = objective.entropy(&to);
     let mix = |(gradient, feature): (&f64, &f64)| (1.0 - options.alpha) * gradient + options.alpha * feature;
@@ -152,8 +152,9 @@ fn search<V: Vector>(block: &mut Block<V>, lane: usize, pair: &Lane, options: &O
     for (i, &row) in problem.rows.iter().enumerate() {
         block.to.u[row].set(lane, at.u[i]);
         for (j, &col) in problem.cols.iter().enumerate() {
-            block.to.plan[row * block.m + col].set(lane, at.plan[i * problem.m + j]);
-            block.to.gradient[row * block.m + col].set(lane, at.gradient[i * problem.m + j]);
+            let cell = block.cell(row, col);
+            block.to.plan[cell].set(lane, at.plan[i * problem.m + j]);
+            block.to.gradient[cell].set(lane, at.gradient[i * problem.m + j]);
         }
     }
     for (j, &col) in problem.cols.iter().enumerate() {

@@ -183,18 +183,21 @@ fn plan<V: Vector>(block: &mut Block<V>, rates: &Rates, shifts: &Shifts<V>) {
         let before = &block.to.gradient[i * m..(i + 1) * m];
         let features = &block.features[i * m..(i + 1) * m];
         let row = block.rows[i] * scale;
-        let mut sum = zero;
+        let (mut sum, mut row_moved, mut row_gain, mut row_cost) = (zero, zero, zero, zero);
         for j in 0..m {
             apart();
             let t = row * kernel[j] * cols[j];
             let step = t - from[j];
             let ahead = momentum * (gradient[j] - before[j]);
-            moved = moved + step.abs();
-            momentum_gain = momentum_gain + ahead * step;
-            cost = cost + t * (structure * gradient[j] + ahead + features[j]);
+            row_moved = row_moved + step.abs();
+            row_gain = row_gain + ahead * step;
+            row_cost = row_cost + t * (structure * gradient[j] + ahead + features[j]);
             sum = sum + t;
             to[j] = t;
         }
+        moved = moved + row_moved;
+        momentum_gain = momentum_gain + row_gain;
+        cost = cost + row_cost;
         block.to.u[i] = sum;
         mass = mass + sum;
         let asked = block.mu[i] * block.asked_rows[i] * asked_scale;
@@ -237,21 +240,26 @@ fn plan<V: Vector>(block: &mut Block<V>, rates: &Rates, shifts: &Shifts<V>) {
 
 #[inline(always)]
 fn curvature<V: Vector>(block: &mut Block<V>) {
-    let len = block.n * block.m;
+    let m = block.m;
     let (from, to) = (&block.at, &block.to);
-    let (g0, g1) = (&from.gradient[..len], &to.gradient[..len]);
-    let (t0, t1) = (&from.plan[..len], &to.plan[..len]);
-    let mut sum = V::splat(0.0);
-    for k in 0..len {
-        apart();
-        sum = sum + (g1[k] - g0[k]) * (t1[k] - t0[k]);
+    let mut total = V::splat(0.0);
+    for i in 0..block.n {
+        let row = i * m..(i + 1) * m;
+        let (g0, g1) = (&from.gradient[row.clone()], &to.gradient[row.clone()]);
+        let (t0, t1) = (&from.plan[row.clone()], &to.plan[row]);
+        let mut sum = V::splat(0.0);
+        for j in 0..m {
+            apart();
+            sum = sum + (g1[j] - g0[j]) * (t1[j] - t0[j]);
+        }
+        total = total + sum;
     }
-    block.report.curvature = sum;
+    block.report.curvature = total;
 }
 
 /// The M-step at the new plan.
 #[inline(always)]
-fn target_mass<V: Vector>(block: &mut Block<V>, rates: &Rates) {
+pub fn target_mass<V: Vector>(block: &mut Block<V>, rates: &Rates) {
     let zero = V::splat(0.0);
     let (mut moved, mut mass) = (zero, zero);
     let (given, taken) = (V::splat(1.0 - rates.em_rate), V::splat(rates.em_rate));

@@ -1,7 +1,6 @@
 //! One lane of a block: putting a pair in, judging its step, taking its solution out.
 
-use super::LARGEST;
-use super::block::Block;
+use super::block::{Block, Loading};
 use super::vector::Vector;
 use crate::transport::objective::{Terms, kl_scalar};
 use crate::transport::problem::{Input, Options};
@@ -44,7 +43,9 @@ impl<'a> Lane<'a> {
         let (wide, tall) = (block.m, block.n);
         let (nus, priors) = input.target_masses(options);
         // A node of the target counts where it has mass in both.
-        let (mut nu, mut prior) = ([0.0; LARGEST], [0.0; LARGEST]);
+        let mut loading = std::mem::take(&mut block.loading);
+        loading.clear(wide);
+        let Loading { nu, prior, by_col, col_part, start_g } = &mut loading;
         for j in (0..m).filter(|&j| nus[j] > 0.0 && priors[j] > 0.0) {
             (nu[j], prior[j]) = (nus[j], priors[j]);
         }
@@ -53,11 +54,11 @@ impl<'a> Lane<'a> {
         put(&mut block.mu, lane, input.source_mass);
         put(&mut block.at.nu, lane, &nu[..m]);
         put(&mut block.prior, lane, &prior[..m]);
-        let (mut by_col, mut col_squares, mut start_g) = ([0.0; LARGEST], [0.0; LARGEST], [0.0; LARGEST]);
         for j in 0..wide {
             let row = if j < m { &input.target[j * m..(j + 1) * m] } else { &[] };
             put(&mut block.target[j * wide..(j + 1) * wide], lane, row);
-            (by_col[j], col_squares[j]) = moments(row, &nu);
+            let (sum, squares) = moments(row, nu);
+            (by_col[j], col_part[j]) = (sum, squares * mu_mass * scale);
             let g = input.start_potential.filter(|_| nu[j] > 0.0).map_or(0.0, |g| g[j]);
             start_g[j] = g / options.eps;
             block.g[j].set(lane, start_g[j]);
@@ -66,44 +67,41 @@ impl<'a> Lane<'a> {
         block.asked_log.set(lane, 0.0);
         block.relax.set(lane, 0.0);
         let (feature_rate, structure_rate) = (options.alpha / options.eps, (1.0 - options.alpha) / options.eps);
+        let (down, across) = block.strides();
+        // Slices of their own: through the block the compiler would look every array up again after every store.
+        let (features, plan) = (&mut block.features[..], &mut block.at.plan[..]);
+        let (gradient, before) = (&mut block.at.gradient[..], &mut block.to.gradient[..]);
+        let (nu, start_g, by_col, col_part) = (&nu[..wide], &start_g[..wide], &by_col[..wide], &col_part[..wide]);
         for i in 0..tall {
-            let inside = i < n;
-            let row = if inside { &input.source[i * n..(i + 1) * n] } else { &[] };
+            let row = if i < n { &input.source[i * n..(i + 1) * n] } else { &[] };
             put(&mut block.source[i * tall..(i + 1) * tall], lane, row);
-            let (by_row, row_square) = moments(row, input.source_mass);
-            let mu = if inside { input.source_mass[i] } else { 0.0 };
-            let costs = if inside { &input.features[i * m..(i + 1) * m] } else { &[] };
-            let starts = input.start.filter(|_| mu > 0.0).map(|start| &start[i * m..(i + 1) * m]);
-            let features = &mut block.features[i * wide..(i + 1) * wide];
-            let plan = &mut block.at.plan[i * wide..(i + 1) * wide];
-            let gradient = &mut block.at.gradient[i * wide..(i + 1) * wide];
-            let before = &mut block.to.gradient[i * wide..(i + 1) * wide];
-            let (mut lowest, mut row_sum) = (f64::INFINITY, 0.0);
+            let (by_row, squares) = moments(row, input.source_mass);
+            let (by_row, row_part) = (2.0 * by_row * scale, squares * nu_mass * scale);
+            let mu = if i < n { input.source_mass[i] } else { 0.0 };
+            let costs = if i < n { &input.features[i * m..(i + 1) * m] } else { &[] };
+            let start = input.start.filter(|_| mu > 0.0).map_or(&[][..], |start| &start[i * m..(i + 1) * m]);
+            let product = if input.start.is_some() { 0.0 } else { mu * scale };
+            let (mut lowest, mut sum) = (f64::INFINITY, 0.0);
             for j in 0..wide {
-                let feature = costs.get(j).map_or(0.0, |cost| cost.max(0.0) * feature_rate);
-                features[j].set(lane, feature);
-                let t = match starts {
-                    Some(start) if nu[j] > 0.0 => start[j],
-                    Some(_) => 0.0,
-                    None if input.start.is_some() => 0.0,
-                    None => mu * (nu[j] * scale),
-                };
-                plan[j].set(lane, t);
-                row_sum += t;
-                let slope = (row_square * nu_mass + col_squares[j] * mu_mass - 2.0 * by_row * by_col[j]) * scale;
-                gradient[j].set(lane, slope);
-                before[j].set(lane, slope);
-                if nu[j] > 0.0 {
-                    lowest = lowest.min(structure_rate * slope + feature - start_g[j]);
-                }
+                let feature = if j < costs.len() { costs[j].max(0.0) * feature_rate } else { 0.0 };
+                let t = if j < start.len() && nu[j] > 0.0 { start[j] } else { product * nu[j] };
+                sum += t;
+                let slope = row_part + col_part[j] - by_row * by_col[j];
+                let cell = i * down + j * across;
+                features[cell].set(lane, feature);
+                plan[cell].set(lane, t);
+                gradient[cell].set(lane, slope);
+                before[cell].set(lane, slope);
+                let cost = structure_rate * slope + feature - start_g[j];
+                lowest = if nu[j] > 0.0 && cost < lowest { cost } else { lowest };
             }
-            block.at.u[i].set(lane, row_sum);
+            block.at.u[i].set(lane, sum);
             // The kernel's largest entry of every row is 1.
             block.f[i].set(lane, lowest);
         }
         if input.start.is_some() {
             for j in 0..wide {
-                let sum: f64 = (0..tall).map(|i| block.at.plan[i * wide + j].get(lane)).sum();
+                let sum: f64 = (0..tall).map(|i| block.at.plan[block.cell(i, j)].get(lane)).sum();
                 block.at.v[j].set(lane, sum);
             }
         } else {
@@ -111,8 +109,8 @@ impl<'a> Lane<'a> {
                 block.at.v[j].set(lane, nu[j] * scale * mu_mass);
             }
         }
-        let top = |x: &[f64]| x.iter().fold(0.0_f64, |top, x| top.max(x.abs()));
-        let apart = top(input.source) + top(input.target);
+        block.loading = loading;
+        let apart = largest(input.source) + largest(input.target);
         let (rate, relative) = (options.em_rate.unwrap_or(0.0), options.tau_t + options.eps);
         block.em_scale.set(lane, 1.0 / (rate * (options.tau_t + options.eps * mu_mass) / relative + 1.0 - rate));
         if input.start.is_some() {
@@ -140,13 +138,21 @@ impl<'a> Lane<'a> {
     pub fn terms<V: Vector>(&self, block: &Block<V>, lane: usize, options: &Options, sum_t_log: f64) -> Terms {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let to = &block.to;
+        let (plan, gradient) = (&to.plan[..], &to.gradient[..]);
+        let (down, across) = block.strides();
         let (mut structure, mut feature, mut source, mut mass) = (0.0, 0.0, 0.0, 0.0);
         for i in 0..n {
-            for j in 0..m {
-                let t = to.plan[i * block.m + j].get(lane);
-                structure += to.gradient[i * block.m + j].get(lane) * t;
-                feature += self.input.features[i * m + j].max(0.0) * t;
+            // By rows, so that one row's sums need not wait for the last's.
+            let (mut row_structure, mut row_feature) = (0.0, 0.0);
+            let features = &self.input.features[i * m..(i + 1) * m];
+            for (j, cost) in features.iter().enumerate() {
+                let cell = i * down + j * across;
+                let t = plan[cell].get(lane);
+                row_structure += gradient[cell].get(lane) * t;
+                row_feature += cost.max(0.0) * t;
             }
+            structure += row_structure;
+            feature += row_feature;
             let (u, mu) = (to.u[i].get(lane), self.input.source_mass[i]);
             mass += u;
             source += if mu > 0.0 { kl_scalar(u, mu) } else { 0.0 };
@@ -185,16 +191,18 @@ impl<'a> Lane<'a> {
     ) -> Solution {
         let (n, m) = (self.input.source_mass.len(), self.input.target_mass.len());
         let mut plan = Vec::with_capacity(n * m);
+        let from = &block.to.plan[..];
+        let (down, across) = block.strides();
         for i in 0..n {
-            plan.extend((0..m).map(|j| block.to.plan[i * block.m + j].get(lane)));
+            plan.extend((0..m).map(|j| from[i * down + j * across].get(lane)));
         }
         // Nodes without mass have no potential.
         let of = |x: &V, mass: &V| if mass.get(lane) > 0.0 { eps * x.get(lane) } else { 0.0 };
         Solution {
             plan,
             target_mass: block.to.nu[..m].iter().map(|nu| nu.get(lane)).collect(),
-            source_potential: block.f[..n].iter().zip(&block.mu).map(|(f, mu)| of(f, mu)).collect(),
-            target_potential: block.g[..m].iter().zip(&block.at.nu).map(|(g, nu)| of(g, nu)).collect(),
+            source_potential: block.f[..n].iter().zip(&block.mu[..]).map(|(f, mu)| of(f, mu)).collect(),
+            target_potential: block.g[..m].iter().zip(&block.at.nu[..]).map(|(g, nu)| of(g, nu)).collect(),
             terms,
             history: self.history.clone(),
             iterations: self.iterations,
@@ -215,16 +223,29 @@ fn put<V: Vector>(out: &mut [V], lane: usize, numbers: &[f64]) {
     }
 }
 
-/// Sums of a structure's row and of its squares over the nodes' masses.
+/// Sums of a structure's row and of its squares over the nodes' masses, in the order of the nodes.
 fn moments(row: &[f64], masses: &[f64]) -> (f64, f64) {
     row.iter().zip(masses).fold((0.0, 0.0), |(sum, square), (a, mass)| (sum + a * mass, square + a * a * mass))
 }
 
+/// Largest absolute value, four at a time.
+fn largest(x: &[f64]) -> f64 {
+    let (fours, last) = x.as_chunks::<4>();
+    let mut tops = [0.0_f64; 4];
+    let larger = |top: f64, x: f64| if x.abs() > top { x.abs() } else { top };
+    for four in fours {
+        for k in 0..4 {
+            tops[k] = larger(tops[k], four[k]);
+        }
+    }
+    last.iter().chain(&tops).fold(0.0, |top, x| larger(top, *x))
+}
+
 /// C_GW at a start plan that need not have rank one.
 fn full_gradient<V: Vector>(block: &mut Block<V>, lane: usize, input: &Input) {
-    let (n, m, wide) = (input.source_mass.len(), input.target_mass.len(), block.m);
+    let (n, m) = (input.source_mass.len(), input.target_mass.len());
     let (a, b) = (input.source, input.target);
-    let plan = |block: &Block<V>, i: usize, j: usize| block.at.plan[i * wide + j].get(lane);
+    let plan = |block: &Block<V>, i: usize, j: usize| block.at.plan[block.cell(i, j)].get(lane);
     for i in 0..n {
         let row: f64 = (0..n).map(|k| a[i * n + k] * a[i * n + k] * block.at.u[k].get(lane)).sum();
         let half: Vec<f64> = (0..m).map(|j| (0..n).map(|k| a[i * n + k] * plan(block, k, j)).sum()).collect();
@@ -232,8 +253,9 @@ fn full_gradient<V: Vector>(block: &mut Block<V>, lane: usize, input: &Input) {
             let col: f64 = (0..m).map(|l| b[j * m + l] * b[j * m + l] * block.at.v[l].get(lane)).sum();
             let product: f64 = half.iter().zip(0..m).map(|(h, l)| h * b[l * m + j]).sum();
             let gradient = row + col - 2.0 * product;
-            block.at.gradient[i * wide + j].set(lane, gradient);
-            block.to.gradient[i * wide + j].set(lane, gradient);
+            let cell = block.cell(i, j);
+            block.at.gradient[cell].set(lane, gradient);
+            block.to.gradient[cell].set(lane, gradient);
         }
     }
 }

@@ -7,24 +7,27 @@
 //! [`vector`] has the arithmetic, [`block`] the arrays, [`kernel`] one iteration and [`product`] its matrix products, [`dispatch`] compiles it for
 //! several instruction sets, [`lane`] puts pairs in and takes solutions out, [`judge`] decides about steps.
 
+pub mod aligned;
 pub mod block;
 pub mod dispatch;
 pub mod judge;
 pub mod kernel;
 pub mod lane;
 pub mod product;
+pub mod single;
 pub mod vector;
 
 use block::{Block, Rates};
 use dispatch::Instructions;
 use judge::{Verdict, judge};
 use lane::Lane;
+use single::Single;
 use vector::Vector;
 
 use super::problem::{Entropy, Input, Loss, Options};
 use super::ufgw::Solution;
 
-/// Largest graph solved here: beyond it the arrays of a block leave the processor's caches.
+/// Largest graph solved in lanes: beyond it the arrays of a block leave the processor's caches.
 pub const LARGEST: usize = 24;
 
 /// Smallest tolerance: below it the rounding of C / eps may keep a plan moving.
@@ -41,7 +44,7 @@ pub fn suits(options: &Options) -> bool {
         && options.tol >= FINEST
 }
 
-/// Whether the kernel knows this pair: not too large, both structures symmetric.
+/// Whether the kernel knows this pair: both structures symmetric.
 #[must_use]
 pub fn suits_pair(input: &Input) -> bool {
     let symmetric = |a: &[f64], n: usize| {
@@ -54,7 +57,7 @@ pub fn suits_pair(input: &Input) -> bool {
         same
     };
     let (n, m) = (input.source_mass.len(), input.target_mass.len());
-    n.max(m) <= LARGEST && symmetric(input.source, n) && symmetric(input.target, m)
+    symmetric(input.source, n) && symmetric(input.target, m)
 }
 
 /// Solve checked pairs given with their index; return what was solved, and the indices of what was out of range.
@@ -104,6 +107,25 @@ pub fn run<V: Vector>(
                 lanes[lane] = Some(Lane::load(&mut block, lane, *index, input, options, history));
                 live += 1;
             }
+        }
+    }
+    (solved, rejected)
+}
+
+/// Solve checked pairs one after the other; the same as [`run`] to the last bit.
+#[must_use]
+pub fn run_alone<V: Vector>(
+    pairs: &[(usize, &Input)],
+    options: &Options,
+    history: bool,
+    with: Instructions,
+) -> (Vec<(usize, Solution)>, Vec<usize>) {
+    let (mut solved, mut rejected) = (Vec::with_capacity(pairs.len()), Vec::new());
+    let mut single = Single::<V>::default();
+    for (index, input) in pairs {
+        match single.solve(input, options, history, with) {
+            Some(solution) => solved.push((*index, solution)),
+            None => rejected.push(*index),
         }
     }
     (solved, rejected)

@@ -14,6 +14,8 @@ use std::ops::{Add, Div, Mul, Sub};
 pub trait Vector:
     Copy + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
+    /// A vector of one such float, with the same arithmetic.
+    type One: Vector<One = Self::One>;
     /// How many floats.
     const LANES: usize;
     /// Unit roundoff times two.
@@ -29,6 +31,10 @@ pub trait Vector:
     fn get(&self, lane: usize) -> f64;
     /// Set one lane's number, rounded.
     fn set(&mut self, lane: usize, x: f64);
+    /// As many numbers as there are lanes.
+    fn load(from: &[Self::One]) -> Self;
+    /// Write the lanes one after the other.
+    fn store(self, to: &mut [Self::One]);
     /// Absolute values.
     #[must_use]
     fn abs(self) -> Self;
@@ -65,10 +71,10 @@ macro_rules! operator {
 }
 
 macro_rules! vector {
-    ($(#[$doc:meta])* $vector:ident, $float:ident, $lanes:literal, $constants:ident) => {
+    ($(#[$doc:meta])* $vector:ident, $one:ident, $float:ident, $lanes:literal, $align:literal, $constants:ident) => {
         $(#[$doc])*
         #[derive(Debug, Clone, Copy)]
-        #[repr(C, align(64))]
+        #[repr(C, align($align))]
         pub struct $vector(pub [$float; $lanes]);
 
         operator!($vector, Add, add, +=);
@@ -79,6 +85,7 @@ macro_rules! vector {
         // Lossless where the caller's number is of this type already, rounding where it is not.
         #[allow(clippy::cast_lossless, clippy::unnecessary_cast)]
         impl Vector for $vector {
+            type One = $one;
             const LANES: usize = $lanes;
             const EPSILON: f64 = $float::EPSILON as f64;
             const TINY: f64 = $constants::TINY;
@@ -97,6 +104,24 @@ macro_rules! vector {
             #[inline(always)]
             fn set(&mut self, lane: usize, x: f64) {
                 self.0[lane] = x as $float;
+            }
+
+            #[inline(always)]
+            fn load(from: &[$one]) -> Self {
+                let from = &from[..$lanes];
+                let mut out = Self([0.0; $lanes]);
+                for k in 0..$lanes {
+                    out.0[k] = from[k].0[0];
+                }
+                out
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut [$one]) {
+                let to = &mut to[..$lanes];
+                for k in 0..$lanes {
+                    to[k].0[0] = self.0[k];
+                }
             }
 
             #[inline(always)]
@@ -247,20 +272,28 @@ mod f32_constants {
 
 vector!(
     /// Sixteen f64: two of the widest registers, so that one's latency hides behind the other's.
-    F64x16, f64, 16, f64_constants
+    F64x16, F64x1, f64, 16, 64, f64_constants
 );
 vector!(
     /// Thirty-two f32.
-    F32x32, f32, 32, f32_constants
+    F32x32, F32x1, f32, 32, 64, f32_constants
 );
 
 vector!(
     /// Eight f64, for a few pairs: the bits of a lane do not depend on how many there are.
-    F64x8, f64, 8, f64_constants
+    F64x8, F64x1, f64, 8, 64, f64_constants
 );
 vector!(
     /// Sixteen f32, for a few pairs.
-    F32x16, f32, 16, f32_constants
+    F32x16, F32x1, f32, 16, 64, f32_constants
+);
+vector!(
+    /// One f64.
+    F64x1, F64x1, f64, 1, 8, f64_constants
+);
+vector!(
+    /// One f32.
+    F32x1, F32x1, f32, 1, 4, f32_constants
 );
 
 #[cfg(test)]
