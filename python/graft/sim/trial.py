@@ -18,6 +18,7 @@ from graft.io import as_object
 from graft.objects import Floats
 from graft.sim.compiled import CompiledScene, compiled_scene
 from graft.sim.config import SimulationConfig
+from graft.sim.course import ramped, reached, turned
 from graft.sim.outcome import Measurements, Outcome, Trial
 from graft.sim.poses import displacement
 from graft.sim.prepared import PreparedObject, prepare
@@ -37,9 +38,6 @@ SPEED_UP = 0.05
 
 CLOSING_MARGIN = 0.25
 """Seconds beyond the pure travel that the fingers may need to close, pushing a loose object along."""
-
-RAMP = 0.15
-"""Seconds in which the lift comes to its speed."""
 
 EXPLODED = 30.0
 """Metres or radians per second that nothing in a trial reaches unless its numbers diverge."""
@@ -141,7 +139,7 @@ class _Run:
         self.steps = 0
         self.recent: deque[tuple[float, float]] = deque(maxlen=LOOKS)
         self.deadline = time.perf_counter() + config.timeout
-        self.goal = _reached(start @ grasp.pose, config)
+        self.goal = reached(start @ grasp.pose, config)
         self.away = self.goal.copy()
         self.away[:3, 3] -= config.approach_distance * self.goal[:3, 2]
         self.opening = grasp.gripper.stroke
@@ -215,7 +213,7 @@ class _Run:
         config, scene = self.config, self.scene
         self.top = self.goal.copy()
         self.top[2, 3] += config.lift_height
-        heights = _ramped(config.lift_height, config.lift_speed, config.timestep)
+        heights = ramped(config.lift_height, config.lift_speed, config.timestep)
         place = self.goal[:3, 3].copy()
         secured = False
         for done, height in enumerate(heights, start=1):
@@ -267,7 +265,7 @@ class _Run:
             steps = self._steps(abs(end - begin) / config.tilt_speed)
             for done in range(CHUNK, steps + CHUNK, CHUNK):
                 angle = np.radians(begin + (end - begin) * min(done, steps) / steps)
-                self.scene.lead(self.top[:3, 3], _turned(across, angle) @ self.top[:3, :3])
+                self.scene.lead(self.top[:3, 3], turned(across, angle) @ self.top[:3, :3])
                 self._advance("tilt", CHUNK)
                 if done % (10 * CHUNK) == 0:
                     self._must_touch()
@@ -345,41 +343,3 @@ class _Run:
 
     def _steps(self, seconds: float) -> int:
         return max(1, round(seconds / self.config.timestep))
-
-
-def _ramped(distance: float, speed: float, timestep: float) -> Floats:
-    """Return the way gone (n,) after each step: up to `speed` over `RAMP` seconds, and down again at the end.
-
-    A hand that starts at once would ask the pads for more than the object's weight again.
-    """
-    ramp = min(RAMP, distance / speed)
-    speed = distance / max(distance / speed, ramp)
-    total = distance / speed + ramp
-    t = timestep * np.arange(1, int(np.ceil(total / timestep)) + 1)
-    late = np.maximum(t - (total - ramp), 0.0)
-    early = np.minimum(t, ramp)
-    way: Floats = speed * (early**2 / (2 * ramp) + np.maximum(t - ramp, 0.0) - late**2 / (2 * ramp))
-    way[t >= total] = distance
-    return way
-
-
-def _reached(wanted: Floats, config: SimulationConfig) -> Floats:
-    """Return the pose that a hand with `position_noise` and `angle_noise` reaches when it is sent to `wanted`."""
-    if config.position_noise == 0 and config.angle_noise == 0:
-        return np.array(wanted)
-    draws = np.random.default_rng(config.seed).standard_normal(6)
-    reached = np.array(wanted)
-    reached[:3, 3] += config.position_noise * draws[:3]
-    turn = np.radians(config.angle_noise) * draws[3:]
-    angle = float(np.linalg.norm(turn))
-    if angle > 0:
-        reached[:3, :3] = _turned(turn / angle, angle) @ reached[:3, :3]
-    return reached
-
-
-def _turned(axis: Floats, angle: float) -> Floats:
-    """Return the rotation (3, 3) by `angle` radians about the unit vector `axis` (Rodrigues' formula)."""
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    rotation: Floats = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    return rotation
