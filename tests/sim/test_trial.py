@@ -42,7 +42,7 @@ def test_a_box_is_held(block: PreparedObject) -> None:
 
 def test_the_force_does_not_depend_on_the_width() -> None:
     for width in (0.01, 0.03, 0.07):
-        trial = simulate_grasp(prepare(box(0.05, width, 0.1)), GRIP, SimulationConfig(force=20))
+        trial = simulate_grasp(prepare(box(0.05, width, 0.1)), replace(GRIP, width=width), SimulationConfig(force=20))
         assert trial.succeeded
         assert trial.measurements.closed_forces == pytest.approx((20, 20), abs=0.3)
         assert trial.measurements.closed_width == pytest.approx(width, abs=7e-4)

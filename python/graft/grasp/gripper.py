@@ -18,6 +18,10 @@ from graft.errors import InputError
 MIRROR = np.diag([1.0, -1.0, 1.0])
 """Takes the finger at +y to the finger at -y."""
 
+OPENING_CLEARANCE = 0.005
+"""Room between an open pad and the surface while the hand comes in, metres: a wide open finger would not fit into the
+loop of a mug's handle, and an arm places a hand to a millimetre or two."""
+
 PAD_TOLERANCE = 1e-4
 """The pad's inner surface is where it should be to this, metres: what a part of a hand is made to."""
 
@@ -142,6 +146,10 @@ class Gripper:
     def reach(self) -> float:
         """How far the TCP lies beyond the flange along the approach, metres."""
         return float(self.flange[:3, 2] @ self.flange[:3, 3])
+
+    def opening_for(self, width: float) -> float:
+        """Return how far the pads are apart while the hand comes in to close to `width`, metres."""
+        return min(width + 2.0 * OPENING_CLEARANCE, self.stroke)
 
     def boxes(self, opening: float) -> tuple[Box, ...]:
         """Return palm, finger at +y, finger at -y in the gripper frame, `opening` metres between the pads."""

@@ -60,8 +60,8 @@ def simulate_grasp(
 ) -> Trial:
     """Try a grasp in physics.
 
-    The hand comes open from `approach_distance` in a straight line, closes, lifts and holds. The trial ends early when
-    its outcome cannot change any more: after the first check failed, or once no finger touches the lifted object.
+    The hand, open by `Gripper.opening_for`, comes from `approach_distance` in a straight line, closes, lifts and holds.
+    The trial ends early when its outcome cannot change any more: after the first check failed, or once no finger touches the lifted object.
 
     Args:
         obj: A `PreparedObject` (prepare once for many trials), or anything that `graft.load_object` reads.
@@ -142,7 +142,7 @@ class _Run:
         self.goal = reached(start @ grasp.pose, config)
         self.away = self.goal.copy()
         self.away[:3, 3] -= config.approach_distance * self.goal[:3, 2]
-        self.opening = grasp.gripper.stroke
+        self.opening = grasp.gripper.opening_for(grasp.width)
         scene.place(start, self.away, self.opening)
 
     def go(self) -> None:
