@@ -13,7 +13,7 @@ from graft.errors import InputError
 from graft.grasp.collision import box_arrays
 from graft.grasp.grasps import GraspSet
 from graft.grasp.gripper import PANDA_HAND, Gripper
-from graft.grasp.metric import Support, contact_in_metres, in_metres
+from graft.grasp.metric import Support, in_metres
 from graft.grasp.scoring import ScoreWeights
 from graft.grasp.surface import surface_of, with_surfels
 from graft.io import as_object
@@ -84,7 +84,7 @@ class AntipodalPlanner:
     rays: int = 4
     pairs: int = 48
     approaches: int = 12
-    depths: tuple[float, ...] = (0.0, -0.006, 0.006)
+    depths: tuple[float, ...] = (-0.006, 0.0, 0.006)
     friction: float = 0.5
     clearance: float = 0.005
     margin: float = 0.001
@@ -211,8 +211,10 @@ def plan_grasps(
     given = as_object(obj)
     chosen = None if part is None else given.part_index(part)
     asked = contact.contact if isinstance(contact, TransferredContact) else contact
+    metric = in_metres(given)
     if asked is not None:
         given.part_index(asked.part)
-        asked = contact_in_metres(asked, given)
+        scale = given.scale_to_metres or 1.0
+        asked = asked if scale == 1.0 else asked.transformed(np.diag([scale, scale, scale, 1.0]))
     how = AntipodalPlanner() if planner is None else planner
-    return how.plan(in_metres(given), asked, gripper, part=chosen, support=support, k=k, seed=seed)
+    return how.plan(metric, asked, gripper, part=chosen, support=support, k=k, seed=seed)

@@ -42,6 +42,12 @@ impl Pad {
         Self { middle: [pad.center.x, pad.center.z], half: [along(0), along(2)] }
     }
 
+    /// How far the pad reaches beyond the TCP along the approach.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.middle[1] + self.half[1]
+    }
+
     /// What the pad that comes from `side` (+1 or -1) of y meets first when it closes from `from` (a magnitude of y)
     /// to [`WINDOW`] below `expected`; None when it meets nothing.
     #[must_use]

@@ -60,9 +60,12 @@ pub fn plan(request: &Request<'_>) -> Result<Answer, Error> {
     }
     check(request)?;
     let count = face_parts.iter().max().map_or(0, |p| p + 1);
-    let sides = sides(&vertices, &faces, &face_parts, count);
-    let center = center_of_mass(&vertices, &faces, &face_parts, &sides)?;
-    let collider = Collider::new(&vertices, &faces);
+    let body = || {
+        let sides = sides(&vertices, &faces, &face_parts, count);
+        center_of_mass(&vertices, &faces, &face_parts, &sides).map(|center| (sides, center))
+    };
+    let (collider, body) = rayon::join(|| Collider::new(&vertices, &faces), body);
+    let (sides, center) = body?;
     if let Some(point) = request.contact.filter(|point| !collider.reaches(point, request.tolerance)) {
         let expected = format!("a point within {:.3} m of the surface", request.tolerance);
         return Err(Error::value("contact", expected, format!("[{:.4}, {:.4}, {:.4}]", point.x, point.y, point.z)));

@@ -4,6 +4,9 @@ use super::boxes::{HalfSpace, Hand, Pose, swept};
 use super::collision::Collider;
 use crate::geometry::{OrientedBox, Vec3};
 
+/// An approach that is flatter than this (the sine of its angle with the support) does not rise by going back.
+const LEAST_RISE: f64 = 0.2;
+
 /// Why a candidate falls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
@@ -72,6 +75,18 @@ impl Comer {
             palm: hand.palm.clone(),
             way: hand.boxes(opening).map(|part| swept(&part, &back)).collect(),
         }
+    }
+
+    /// How far back along its approach a hand at `pose` must stay to be `margin` above the plane, now and on the way;
+    /// infinity where going back does not raise it.
+    #[must_use]
+    pub fn retreat(&self, plane: &HalfSpace, pose: &Pose, margin: f64) -> f64 {
+        let lowest = self.way.iter().map(|part| plane.clearance(&pose.place(part))).fold(f64::INFINITY, f64::min);
+        if lowest >= margin {
+            return 0.0;
+        }
+        let rise = -plane.normal.dot(&pose.rotation.column(2));
+        if rise > LEAST_RISE { (margin - lowest) / rise } else { f64::INFINITY }
     }
 
     /// Whether it gets to `pose` with every box grown by `margin`; if not, why.

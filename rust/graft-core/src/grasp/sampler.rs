@@ -26,7 +26,13 @@ const PAIR_NEARNESS: Nearness = Nearness { distance: 0.003, angle: 0.15 };
 const CANDIDATE_NEARNESS: Nearness = Nearness { distance: 0.004, angle: 0.2 };
 
 /// Of these times as many candidates as grasps are wanted the pads are looked at.
-const CANDIDATES_PER_GRASP: usize = 8;
+const CANDIDATES_PER_GRASP: usize = 5;
+
+/// Above a support the hand stays back, until the pair lies this share of the way from the pads' middle to their tips.
+const STILL_ON: f64 = 0.8;
+
+/// Metres, of numbers of the size of a room in double precision, many times over.
+const ROUNDING: f64 = 1e-9;
 
 /// Parameters of the sampler; lengths in metres, angles in radians.
 #[derive(Debug, Clone)]
@@ -120,7 +126,13 @@ pub fn sample_grasps(scene: &Scene<'_>, place: &Place, settings: &Settings) -> A
             (true, _) => rejected[Reason::TooWide as usize] += 1,
             _ => {}
         }
-        all.extend(one.pairs.into_iter().map(|pair| (promise(scene, &pair, &is_on_part), pair)));
+        for pair in one.pairs {
+            if clears(scene, settings, &pair) {
+                all.push((promise(scene, &pair, &is_on_part), pair));
+            } else {
+                rejected[Reason::Support as usize] += 1;
+            }
+        }
     }
     let chosen = best_pairs(&mut all, settings.pairs);
     let tried: Vec<Tried> = chosen
@@ -152,6 +164,15 @@ fn ranked(mut proposals: Vec<Proposal>, near: Nearness, limit: usize) -> Vec<Pro
     proposals.sort_by(|a, b| b.score.total_cmp(&a.score));
     let kept = thin(proposals.iter().map(|p| p.facts.pose), near, limit);
     kept.into_iter().map(|index| proposals[index]).collect()
+}
+
+/// Whether the pads, open around a pair, stay above the support from at least some approach.
+fn clears(scene: &Scene<'_>, settings: &Settings, pair: &Pair) -> bool {
+    let (Some(plane), Some(pad)) = (&scene.support, scene.hand.finger.first()) else { return true };
+    let rise = plane.normal.dot(&pair.axis).abs();
+    let lowest = pair.points.map(|p| plane.normal.dot(&p) - plane.offset).into_iter().fold(f64::INFINITY, f64::min);
+    let thickness: f64 = 2.0 * (0..3).map(|j| pad.axes[j].y.abs() * pad.half_extents[j]).sum::<f64>();
+    lowest - rise * (settings.clearance + thickness) >= settings.margin
 }
 
 /// The score of a pair, as far as it does not depend on the approach.
@@ -192,14 +213,29 @@ fn try_pair(scene: &Scene<'_>, settings: &Settings, pair: &Pair, is_on_part: boo
     let opening = (pair.width + 2.0 * settings.clearance).min(scene.judge.stroke);
     let comer = Comer::new(scene.hand, opening, settings.travel);
     let middle = (pair.points[0] + pair.points[1]) / 2.0;
+    let least = scene.hand.finger.first().map_or(0.0, |pad| Pad::of(pad).reach() * STILL_ON);
     let (u, v) = approach_axes(scene, &pair.axis);
     let mut tried = Tried { arrived: Vec::new(), rejected: [0; Reason::ALL.len()] };
     for turn in 0..settings.approaches {
         let (s, c) = (TAU * turn as f64 / settings.approaches as f64).sin_cos();
         let come = u * c + v * s;
         let rotation = Matrix3::from_columns(&[pair.axis.cross(&come), pair.axis, come]);
-        for depth in &settings.depths {
-            let pose = Pose { rotation, translation: middle + come * *depth };
+        let mut deepest = f64::INFINITY;
+        if let Some(plane) = &scene.support {
+            let retreat = comer.retreat(plane, &Pose { rotation, translation: middle }, settings.margin);
+            // Only as far as the pads still reach the pair; else it is tried as it is, and falls.
+            if retreat > 0.0 && retreat <= least {
+                // Rounding must not put it back below.
+                deepest = -retreat - ROUNDING;
+            }
+        }
+        let mut last = f64::NAN;
+        for depth in settings.depths.iter().map(|depth| depth.min(deepest)) {
+            if depth == last {
+                continue;
+            }
+            last = depth;
+            let pose = Pose { rotation, translation: middle + come * depth };
             match comer.arrives(scene.collider, scene.support.as_ref(), &pose, settings.margin) {
                 Ok(()) => {
                     tried.arrived.push(propose(&scene.judge, facts(pair, pose, is_on_part)));

@@ -31,9 +31,16 @@ fn area(corners: &[Vec3; 3]) -> f64 {
     (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0
 }
 
-/// Add the pieces of a triangle within `radius` of `center`, weighted by area and nearness.
-fn cut(corners: [Vec3; 3], face: usize, center: &Vec3, radius: f64, pieces: &mut Vec<Piece>) {
-    let mut waiting = vec![corners];
+/// Add the pieces of a triangle within `radius` of `center`, weighted by area and nearness. `waiting` is work space.
+fn cut(
+    corners: [Vec3; 3],
+    face: usize,
+    center: &Vec3,
+    radius: f64,
+    waiting: &mut Vec<[Vec3; 3]>,
+    pieces: &mut Vec<Piece>,
+) {
+    waiting.push(corners);
     while let Some(corners) = waiting.pop() {
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         let reach = corners.iter().map(|c| (c - middle).norm_squared()).fold(0.0, f64::max).sqrt();
@@ -61,11 +68,11 @@ pub fn draw(
     count: usize,
     rng: &mut Pcg64,
 ) -> Vec<Sample> {
-    let mut pieces = Vec::new();
+    let (mut pieces, mut waiting) = (Vec::new(), Vec::new());
     for (face, indices) in faces.iter().enumerate().filter(|(face, _)| allowed(*face)) {
         let corners = indices.map(|v| vertices[v]);
         match &near {
-            Some((center, radius)) => cut(corners, face, center, *radius, &mut pieces),
+            Some((center, radius)) => cut(corners, face, center, *radius, &mut waiting, &mut pieces),
             None => pieces.push(Piece { corners, face, weight: area(&corners) }),
         }
     }

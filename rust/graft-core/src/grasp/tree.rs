@@ -13,6 +13,9 @@ const SLACK: f64 = 2e-6;
 /// Each level leaves at most three children waiting; sixteen levels hold 2^32 primitives.
 const STACK_SIZE: usize = 64;
 
+/// Subtrees over more primitives than this are worth a thread of their own. Where they end up does not depend on it.
+const PARALLEL: usize = 2048;
+
 /// Marks a child that is a primitive.
 const PRIMITIVE: u32 = 1 << 31;
 
@@ -215,30 +218,38 @@ impl Probe {
 fn grow(bounds: &[Aabb], items: &mut [Item], nodes: &mut Vec<Node>) -> (u32, Aabb) {
     let place = nodes.len();
     nodes.push(Node::new(&[]));
-    let mut children = [(0, Aabb::EMPTY); 4];
-    let mut count = 0;
-    let mut add = |child: (u32, Aabb)| {
-        children[count] = child;
-        count += 1;
-    };
+    let mut children = Vec::with_capacity(4);
     if items.len() <= 4 {
-        for item in items.iter() {
-            add((PRIMITIVE | item.index, bounds[item.index as usize]));
-        }
-    } else {
+        children.extend(items.iter().map(|item| (PRIMITIVE | item.index, bounds[item.index as usize])));
+    } else if items.len() <= PARALLEL {
         let (left, right) = halve(items);
         for side in [left, right] {
             if side.len() <= 4 {
-                add(grow(bounds, side, nodes));
+                children.push(grow(bounds, side, nodes));
                 continue;
             }
             let (first, second) = halve(side);
-            add(grow(bounds, first, nodes));
-            add(grow(bounds, second, nodes));
+            children.push(grow(bounds, first, nodes));
+            children.push(grow(bounds, second, nodes));
+        }
+    } else {
+        let (left, right) = halve(items);
+        let alone = |side| {
+            let mut own = Vec::new();
+            let (first, second) = halve(side);
+            let roots = [first, second].map(|quarter| grow(bounds, quarter, &mut own));
+            (own, roots)
+        };
+        let (left, right) = rayon::join(|| alone(left), || alone(right));
+        for (own, roots) in [left, right] {
+            let shift = nodes.len() as u32;
+            let moved = |reference: u32| if reference & PRIMITIVE == 0 { reference + shift } else { reference };
+            nodes.extend(own.into_iter().map(|node| Node { child: node.child.map(moved), ..node }));
+            children.extend(roots.map(|(reference, around)| (moved(reference), around)));
         }
     }
-    let around = children[..count].iter().fold(Aabb::EMPTY, |sum, (_, b)| sum.union(b));
-    nodes[place] = Node::new(&children[..count]);
+    let around = children.iter().fold(Aabb::EMPTY, |sum, (_, b)| sum.union(b));
+    nodes[place] = Node::new(&children);
     (place as u32, around)
 }
 
