@@ -40,7 +40,7 @@ bench: $(VENV)/.dev  ## Benchmarks against peers; SHARED=folder of labelled obje
 	$(BIN)/python benches/transport.py
 	$(BIN)/python benches/pipeline.py $(SHARED)
 
-verify-formats: $(VENV)/.dev  ## robomimic's and LeRobot's own loaders read our files (downloads 3 GB, needs 7); WORK=folder
+verify-formats: $(VENV)/.dev  ## robomimic's and LeRobot's own loaders read our files (downloads 3 GB, needs 6); WORK=folder
 	$(BIN)/python benches/verify_formats.py $(if $(WORK),--work $(WORK))
 
 wheel: $(VENV)/.dev  ## Build the wheel into dist/

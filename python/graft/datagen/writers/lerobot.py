@@ -240,8 +240,6 @@ class LeRobotWriter:
         if not info.is_file():
             return
         self._info = read_json(info)
-        if self._info.get("graft_schema") != SCHEMA:
-            raise InputError("graft did not write this dataset; nothing is added to it", path=info)
         for path in self._episodes.files():
             table = read_parquet(path)
             for row in table.to_pylist():
@@ -265,12 +263,16 @@ class LeRobotWriter:
 
 
 def check_folder(root: Path) -> None:
-    """Refuse a file, and a folder that holds anything but a dataset or the beginning of one."""
+    """Refuse a file, and a folder that holds anything but a dataset of graft's or the beginning of one."""
     if not root.exists():
         return
     if not root.is_dir():
         raise InputError("expected a folder for a LeRobot dataset, it is a file", path=root)
-    if not (root / "meta/info.json").is_file():
+    info = root / "meta/info.json"
+    if info.is_file():
+        if read_json(info).get("graft_schema") != SCHEMA:
+            raise InputError("graft did not write this dataset; nothing is added to it", path=info)
+    else:
         others = sorted(p.name for p in root.iterdir() if p.name not in ("graft", "meta"))
         if others:
             raise InputError(f"the folder holds other files, nothing is written: {', '.join(others[:5])}", path=root)

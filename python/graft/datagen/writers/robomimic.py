@@ -76,6 +76,7 @@ class RobomimicWriter:
         self._exit = ExitStack()
         try:
             self._exit.enter_context(locked(self._parts / "lock"))
+            self._exit.callback(self._remove_empty)
             self._recover()
         except BaseException:
             self._exit.close()
@@ -112,7 +113,8 @@ class RobomimicWriter:
             parts = part_files(self.path)
             if parts:
                 self._gather(parts)
-            shutil.rmtree(self._parts, ignore_errors=True)
+            for part in parts:
+                part.unlink()
         finally:
             self._exit.close()
 
@@ -126,6 +128,11 @@ class RobomimicWriter:
             self.close()
         else:
             self._exit.close()
+
+    def _remove_empty(self) -> None:
+        """Leave no folder behind that holds nothing but the lock; called while it is held."""
+        if [p.name for p in self._parts.iterdir()] == ["lock"]:
+            shutil.rmtree(self._parts, ignore_errors=True)
 
     def _recover(self) -> None:
         remove_drafts(self._parts)

@@ -144,6 +144,7 @@ def test_other_datasets_are_left_alone(tmp_path):
         open_writer(root)
     with pytest.raises(InputError, match="graft did not write this dataset: it lacks the states"):
         list(read_episodes(root))
+    assert sorted(p.name for p in tmp_path.rglob("*")) == ["info.json", "meta", "theirs", "theirs.hdf5"]
     (tmp_path / "photos").mkdir()
     (tmp_path / "photos" / "me.png").write_bytes(b"x")
     with pytest.raises(InputError, match=r"holds other files, nothing is written: me.png"):
