@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from graft.contact import DenseMap, TransferredContact, agree, dense_map, transfer_contact
     from graft.errors import GraftError, InputError, InputWarning, MissingExtraError
     from graft.features import Descriptor, GeometricDescriptor
+    from graft.grasp import Grasp, GraspSet, Gripper, plan_grasps
     from graft.graph import PartFlag, PartGraph, build_graph
     from graft.io import (
         as_object,
@@ -40,6 +41,9 @@ _HOMES = {
     "Descriptor": "graft.features",
     "GeometricDescriptor": "graft.features",
     "GraftError": "graft.errors",
+    "Grasp": "graft.grasp",
+    "GraspSet": "graft.grasp",
+    "Gripper": "graft.grasp",
     "InputError": "graft.errors",
     "InputWarning": "graft.errors",
     "Joint": "graft.objects",
@@ -61,6 +65,7 @@ _HOMES = {
     "load_object": "graft.io",
     "mark_contact": "graft.marking",
     "match": "graft.library",
+    "plan_grasps": "graft.grasp",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
     "save_object": "graft.io",
@@ -82,6 +87,9 @@ __all__ = [
     "Descriptor",
     "GeometricDescriptor",
     "GraftError",
+    "Grasp",
+    "GraspSet",
+    "Gripper",
     "InputError",
     "InputWarning",
     "Joint",
@@ -103,6 +111,7 @@ __all__ = [
     "load_object",
     "mark_contact",
     "match",
+    "plan_grasps",
     "save_demonstration",
     "save_glb",
     "save_object",

@@ -141,7 +141,9 @@ def test_clouds_are_grasped_like_meshes() -> None:
 def test_units_do_not_matter() -> None:
     demonstration = zoo.demonstration("kettle", 0)
     thousand = np.diag([1000.0, 1000.0, 1000.0, 1.0])
-    metric = plan_grasps(in_metres(demonstration.object), contact_in_metres(demonstration.contact, demonstration.object))
+    metric = plan_grasps(
+        in_metres(demonstration.object), contact_in_metres(demonstration.contact, demonstration.object)
+    )
     millimetres = plan_grasps(demonstration.object.transformed(thousand), demonstration.contact.transformed(thousand))
     assert len(metric) == len(millimetres)
     np.testing.assert_allclose(metric.poses, millimetres.poses, atol=1e-6)

@@ -23,10 +23,10 @@ use crate::geometry::search::plane_axes;
 const PAIR_NEARNESS: Nearness = Nearness { distance: 0.003, angle: 0.15 };
 
 /// Likewise of candidates whose pads are looked at.
-const CANDIDATE_NEARNESS: Nearness = Nearness { distance: 0.004, angle: 0.2 };
+const CANDIDATE_NEARNESS: Nearness = Nearness { distance: 0.005, angle: 0.25 };
 
 /// Of these times as many candidates as grasps are wanted the pads are looked at.
-const CANDIDATES_PER_GRASP: usize = 5;
+const CANDIDATES_PER_GRASP: usize = 3;
 
 /// Above a support the hand stays back, until the pair lies this share of the way from the pads' middle to their tips.
 const STILL_ON: f64 = 0.8;
@@ -128,7 +128,7 @@ pub fn sample_grasps(scene: &Scene<'_>, place: &Place, settings: &Settings) -> A
         }
         for pair in one.pairs {
             if clears(scene, settings, &pair) {
-                all.push((promise(scene, &pair, &is_on_part), pair));
+                all.push((promise(scene, &pair, is_on_part), pair));
             } else {
                 rejected[Reason::Support as usize] += 1;
             }
@@ -231,7 +231,7 @@ fn try_pair(scene: &Scene<'_>, settings: &Settings, pair: &Pair, is_on_part: boo
         }
         let mut last = f64::NAN;
         for depth in settings.depths.iter().map(|depth| depth.min(deepest)) {
-            if depth == last {
+            if last.total_cmp(&depth).is_eq() {
                 continue;
             }
             last = depth;
