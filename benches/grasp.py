@@ -189,7 +189,7 @@ def main() -> None:
     for category in CATEGORIES:
         collisions(category)
     poses = PLANNER.pairs * PLANNER.approaches * len(PLANNER.depths)
-    print(f"top 20 near a contact: {PLANNER.samples} places, {PLANNER.rays} rays each, {poses} poses; processor time of one thread")
+    print(f"top 20 near a contact: {PLANNER.samples} places, {PLANNER.rays} rays each, {poses} poses; likewise")
     print("  object      faces   n  graft, ms  less build, ms  peers, ms  ratio")
     for category in CATEGORIES:
         planning(category)

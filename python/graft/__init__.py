@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from graft.contact import DenseMap, TransferredContact, agree, dense_map, transfer_contact
     from graft.errors import GraftError, InputError, InputWarning, MissingExtraError
     from graft.features import Descriptor, GeometricDescriptor
-    from graft.grasp import Grasp, GraspSet, Gripper, plan_grasps
     from graft.graph import PartFlag, PartGraph, build_graph
+    from graft.grasp import Grasp, GraspSet, Gripper, plan_grasps
     from graft.io import (
         as_object,
         load_demonstration,
