@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         plan_grasps,
         save_grasps,
     )
+    from graft.grasp import Grasp, GraspSet, Gripper, plan_grasps
     from graft.io import (
         as_object,
         load_demonstration,
@@ -102,6 +103,7 @@ _HOMES = {
     "plan_motion": "graft.motion",
     "plan_motions": "graft.motion",
     "prepare": "graft.sim",
+    "plan_grasps": "graft.grasp",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
     "save_grasp_glb": "graft.viz",
@@ -169,6 +171,7 @@ __all__ = [
     "plan_motion",
     "plan_motions",
     "prepare",
+    "plan_grasps",
     "save_demonstration",
     "save_glb",
     "save_grasp_glb",

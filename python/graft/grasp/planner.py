@@ -19,7 +19,6 @@ from graft.grasp.surface import surface_of, with_surfels
 from graft.io import as_object
 from graft.objects import Contact, PartObject
 
-
 OFF_SURFACE = 0.01
 """Distance, in metres, from which a contact no longer lies on the surface: half a Panda's pad. Transferred contacts lie
 on it; marked ones may be off by the coarseness of another mesh of the same object."""
@@ -55,7 +54,9 @@ class GraspPlanner(Protocol):
 
 @dataclass(frozen=True)
 class AntipodalPlanner:
-    """Samples the surface near the contact for antipodal pairs, and tries approaches to each (Nguyen 1988; ten Pas 2017).
+    """Samples the surface near the contact for antipodal pairs, and tries approaches to each.
+
+    Nguyen 1988, "Constructing force-closure grasps"; ten Pas and others 2017, "Grasp pose detection in point clouds".
 
     A grasp is kept when the hand, at the pads' opening `width + 2 clearance` (at most the stroke), comes in straight
     over the last `travel` metres and closes without touching anything but its pads' places, `margin` away from the

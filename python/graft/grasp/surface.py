@@ -90,7 +90,7 @@ def with_surfels(surface: Surface) -> Surface:
         [surface.points + reach * (a * first + b * second) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1
     )
     start = len(surface.vertices) + 4 * np.arange(len(surface.points))[:, None]
-    squares = np.concatenate([start + [0, 1, 2], start + [0, 2, 3]], axis=1).reshape(-1, 3)
+    squares = (start + np.array([0, 1, 2, 0, 2, 3])).reshape(-1, 3)
     return Surface(
         vertices=np.concatenate([surface.vertices, corners.reshape(-1, 3)]),
         faces=np.concatenate([surface.faces, squares]),
@@ -109,4 +109,3 @@ def _plane_normals(points: Floats) -> Floats:
     _, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", centred, centred))
     normals: Floats = vectors[:, :, 0]
     return normals
-

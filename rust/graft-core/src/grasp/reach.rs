@@ -92,7 +92,7 @@ impl Comer {
     /// Whether it gets to `pose` with every box grown by `margin`; if not, why.
     ///
     /// # Errors
-    /// What it meets first: the support, then fingers and palm where they end, then anything on the way.
+    /// What it meets first: the support, then palm and fingers where they end, then anything on the way.
     pub fn arrives(
         &self,
         collider: &Collider,
@@ -103,16 +103,17 @@ impl Comer {
         if support.is_some_and(|plane| self.way.iter().any(|part| plane.clearance(&pose.place(part)) < margin)) {
             return Err(Reason::Support);
         }
-        if !collider.collides_within(&self.way, pose, margin) {
-            return Ok(());
+        // Most candidates fall for the palm: it goes first, and the ways, which are larger, last.
+        if collider.collides_within(&self.palm, pose, margin) {
+            return Err(Reason::Palm);
         }
         if collider.collides_within(&self.fingers, pose, margin) {
             return Err(Reason::Fingers);
         }
-        if collider.collides_within(&self.palm, pose, margin) {
-            return Err(Reason::Palm);
+        if collider.collides_within(&self.way, pose, margin) {
+            return Err(Reason::Approach);
         }
-        Err(Reason::Approach)
+        Ok(())
     }
 }
 

@@ -23,10 +23,13 @@ use crate::geometry::search::plane_axes;
 const PAIR_NEARNESS: Nearness = Nearness { distance: 0.003, angle: 0.15 };
 
 /// Likewise of candidates whose pads are looked at.
-const CANDIDATE_NEARNESS: Nearness = Nearness { distance: 0.004, angle: 0.2 };
+const CANDIDATE_NEARNESS: Nearness = Nearness { distance: 0.005, angle: 0.25 };
 
 /// Of these times as many candidates as grasps are wanted the pads are looked at.
-const CANDIDATES_PER_GRASP: usize = 5;
+const CANDIDATES_PER_GRASP: usize = 3;
+
+/// One of so many pairs that are tried is a sheet's pinch, where there are others.
+const PINCHES: usize = 4;
 
 /// Above a support the hand stays back, until the pair lies this share of the way from the pads' middle to their tips.
 const STILL_ON: f64 = 0.8;
@@ -128,13 +131,17 @@ pub fn sample_grasps(scene: &Scene<'_>, place: &Place, settings: &Settings) -> A
         }
         for pair in one.pairs {
             if clears(scene, settings, &pair) {
-                all.push((promise(scene, &pair, &is_on_part), pair));
+                all.push((promise(scene, &pair, is_on_part), pair));
             } else {
                 rejected[Reason::Support as usize] += 1;
             }
         }
     }
-    let chosen = best_pairs(&mut all, settings.pairs);
+    // A sheet pinched is a pair as aligned and as near as can be, and most of a sheet no hand can pinch.
+    let (mut pinches, mut all): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, pair)| pair.width <= 0.0);
+    let kept_for_pinches = pinches.len().min(settings.pairs / PINCHES);
+    let mut chosen = best_pairs(&mut all, settings.pairs - kept_for_pinches);
+    chosen.extend(best_pairs(&mut pinches, settings.pairs - chosen.len()));
     let tried: Vec<Tried> = chosen
         .par_iter()
         .map(|pair| try_pair(scene, settings, pair, pair.faces.iter().all(|&face| is_on_part(face))))
@@ -231,7 +238,7 @@ fn try_pair(scene: &Scene<'_>, settings: &Settings, pair: &Pair, is_on_part: boo
         }
         let mut last = f64::NAN;
         for depth in settings.depths.iter().map(|depth| depth.min(deepest)) {
-            if depth == last {
+            if last.total_cmp(&depth).is_eq() {
                 continue;
             }
             last = depth;

@@ -76,25 +76,41 @@ pub struct Tree {
     extent: f64,
 }
 
-/// A primitive while the tree is built.
+/// A primitive while the tree is built. Coordinates are integers in the order of the floats: compared without a branch.
 #[derive(Clone, Copy)]
 struct Item {
-    center: [f32; 3],
+    center: [u32; 3],
     index: u32,
+}
+
+impl Item {
+    fn new(index: usize, middle: &Vec3) -> Self {
+        Self { center: [ordered(middle.x), ordered(middle.y), ordered(middle.z)], index: index as u32 }
+    }
+
+    /// Orders items along an axis, ties by index.
+    fn key(&self, axis: usize) -> u64 {
+        u64::from(self.center[axis]) << 32 | u64::from(self.index)
+    }
+}
+
+/// The bits of a single-precision float, turned so that unsigned integers have the order of the floats.
+fn ordered(x: f64) -> u32 {
+    let bits = (x as f32).to_bits();
+    if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
+}
+
+/// The float again.
+fn float(x: u32) -> f32 {
+    f32::from_bits(if x >> 31 == 1 { x & !(1 << 31) } else { !x })
 }
 
 impl Tree {
     /// Build it over finite boxes, fewer than 2^31.
     #[must_use]
     pub fn new(bounds: &[Aabb]) -> Self {
-        let mut items: Vec<Item> = bounds
-            .iter()
-            .enumerate()
-            .map(|(index, b)| {
-                let middle = (b.low + b.high) * 0.5;
-                Item { center: [middle.x as f32, middle.y as f32, middle.z as f32], index: index as u32 }
-            })
-            .collect();
+        let mut items: Vec<Item> =
+            bounds.iter().enumerate().map(|(index, b)| Item::new(index, &((b.low + b.high) * 0.5))).collect();
         let mut nodes = Vec::with_capacity(bounds.len() / 2 + 1);
         let mut extent = 0.0;
         if !items.is_empty() {
@@ -255,20 +271,21 @@ fn grow(bounds: &[Aabb], items: &mut [Item], nodes: &mut Vec<Node>) -> (u32, Aab
 
 /// Split at the median of the longest axis, rounded to fours so that the lowest nodes are full.
 fn halve(items: &mut [Item]) -> (&mut [Item], &mut [Item]) {
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+    let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
     for item in items.iter() {
         for k in 0..3 {
             low[k] = low[k].min(item.center[k]);
             high[k] = high[k].max(item.center[k]);
         }
     }
+    let extent = [0, 1, 2].map(|k| float(high[k]) - float(low[k]));
     let mut axis = 0;
     for k in 1..3 {
-        if high[k] - low[k] > high[axis] - low[axis] {
+        if extent[k] > extent[axis] {
             axis = k;
         }
     }
     let middle = (items.len() / 2).next_multiple_of(4);
-    items.select_nth_unstable_by(middle, |a, b| a.center[axis].total_cmp(&b.center[axis]).then(a.index.cmp(&b.index)));
+    items.select_nth_unstable_by_key(middle, |item| item.key(axis));
     items.split_at_mut(middle)
 }
