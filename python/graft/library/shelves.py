@@ -1,0 +1,137 @@
+"""Where a library's objects are: in memory, or in a version on disk. Both answer the same questions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from graft.errors import InputError
+from graft.graph import PartGraph
+from graft.library.filters import Filter
+from graft.library.search import Block
+from graft.library.store import Snapshot
+from graft.objects import Demonstration, Ints
+from graft.transport import UFGW, PackedGraphs
+
+
+class Shelf(Protocol):
+    """Objects by position; positions rise in the order of the library and may leave numbers out."""
+
+    def __len__(self) -> int: ...
+
+    def positions(self, only: Filter | None) -> Ints:
+        """Return the positions of the objects that a filter accepts."""
+        ...
+
+    def blocks(self, solver: UFGW, only: Filter | None, among: Ints | None) -> Iterator[Block]:
+        """Return what is ranked: everything, what a filter accepts, or given positions."""
+        ...
+
+    def read(self, position: int) -> tuple[Demonstration, PartGraph]:
+        """Return an object and its part graph."""
+        ...
+
+    def demonstrations(self) -> Iterator[Demonstration]:
+        """Return all objects in order."""
+        ...
+
+
+@dataclass(eq=False)
+class MemoryShelf:
+    """Objects in memory."""
+
+    shown: list[Demonstration] = field(default_factory=list)
+    graphs: list[PartGraph] = field(default_factory=list)
+    names: set[str] = field(default_factory=set)
+    _packed: tuple[UFGW, PackedGraphs] | None = None
+
+    def __len__(self) -> int:
+        return len(self.shown)
+
+    def append(self, shown: Sequence[Demonstration], graphs: Sequence[PartGraph]) -> None:
+        """Add objects and their graphs: all, or none when a name is taken."""
+        names: set[str] = set()
+        for demonstration in shown:
+            if demonstration.name in self.names or demonstration.name in names:
+                raise InputError(f"library: it has a demonstration called {demonstration.name!r} already")
+            names.add(demonstration.name)
+        self.shown += shown
+        self.graphs += graphs
+        self.names |= names
+        self._packed = None
+
+    def remove(self, names: Sequence[str]) -> None:
+        """Take objects out: all, or none when one is not there."""
+        missing = [name for name in names if name not in self.names]
+        if missing:
+            raise InputError(f"library: it has no demonstration called {missing[0]!r}")
+        kept = [i for i, d in enumerate(self.shown) if d.name not in set(names)]
+        self.shown, self.graphs = [self.shown[i] for i in kept], [self.graphs[i] for i in kept]
+        self.names -= set(names)
+        self._packed = None
+
+    def positions(self, only: Filter | None) -> Ints:
+        """Return the positions that a filter accepts."""
+        return np.array([i for i, d in enumerate(self.shown) if only is None or only.accepts(d)], np.int64)
+
+    def blocks(self, solver: UFGW, only: Filter | None, among: Ints | None) -> Iterator[Block]:
+        """Pack the graphs, once, and return them."""
+        if self._packed is None or self._packed[0] != solver:
+            parts = [demonstration.contact.part for demonstration in self.shown]
+            self._packed = (solver, PackedGraphs.pack(self.graphs, parts, solver))
+        chosen = self.positions(only) if among is None and only is not None else among
+        yield Block(self._packed[1], 0, chosen)
+
+    def read(self, position: int) -> tuple[Demonstration, PartGraph]:
+        """Return an object and its graph."""
+        return self.shown[position], self.graphs[position]
+
+    def demonstrations(self) -> Iterator[Demonstration]:
+        """Return all objects."""
+        return iter(self.shown)
+
+
+@dataclass(eq=False)
+class DiskShelf:
+    """Objects of a version on disk; a change replaces the version."""
+
+    snapshot: Snapshot
+
+    def __len__(self) -> int:
+        return self.snapshot.manifest.objects
+
+    def positions(self, only: Filter | None) -> Ints:
+        """Return the positions that a filter accepts."""
+        chosen = []
+        for first, segment in zip(self.snapshot.starts, self.snapshot.segments, strict=False):
+            rows = np.arange(len(segment)) if segment.live is None else segment.live
+            rows = rows if only is None else np.intersect1d(rows, only.rows(segment.graphs), assume_unique=True)
+            chosen.append(rows + first)
+        return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
+
+    def blocks(self, solver: UFGW, only: Filter | None, among: Ints | None) -> Iterator[Block]:
+        """Return the segments as they are mapped."""
+        for number, segment in enumerate(self.snapshot.segments):
+            first, end = self.snapshot.starts[number : number + 2]
+            rows = segment.live
+            if among is not None:
+                rows = among[np.searchsorted(among, first) : np.searchsorted(among, end)] - first
+            elif only is not None:
+                rows = only.rows(segment.graphs)
+                rows = rows if segment.live is None else np.intersect1d(rows, segment.live, assume_unique=True)
+            if rows is None or len(rows):
+                yield Block(segment.packed(solver), int(first), rows)
+
+    def read(self, position: int) -> tuple[Demonstration, PartGraph]:
+        """Read an object and its graph."""
+        number = int(np.searchsorted(self.snapshot.starts, position, side="right")) - 1
+        return self.snapshot.segments[number].read(position - int(self.snapshot.starts[number]))
+
+    def demonstrations(self) -> Iterator[Demonstration]:
+        """Read all objects, one by one."""
+        for segment in self.snapshot.segments:
+            for row in range(len(segment)) if segment.live is None else segment.live.tolist():
+                yield segment.demonstration(row)
