@@ -1,11 +1,34 @@
-"""Libraries of demonstrated objects: in memory or on disk, searched exactly."""
+"""Libraries of demonstrated objects: in memory or on disk, searched exactly.
+
+`Library` answers; the functions below keep a library on disk in order and take its folder.
+"""
 
 from __future__ import annotations
 
+from graft.library.compact import compact, vacuum
 from graft.library.explain import Explanation, PartPair
+from graft.library.export import export_table
 from graft.library.filters import Filter
 from graft.library.library import Library, match
-from graft.library.manifest import LibraryChangedError
+from graft.library.manifest import LibraryChangedError, Manifest
 from graft.library.matching import Match
+from graft.library.store import checkout, versions
+from graft.library.verify import Report, verify
 
-__all__ = ["Explanation", "Filter", "Library", "LibraryChangedError", "Match", "PartPair", "match"]
+__all__ = [
+    "Explanation",
+    "Filter",
+    "Library",
+    "LibraryChangedError",
+    "Manifest",
+    "Match",
+    "PartPair",
+    "Report",
+    "checkout",
+    "compact",
+    "export_table",
+    "match",
+    "vacuum",
+    "verify",
+    "versions",
+]

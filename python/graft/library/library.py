@@ -134,6 +134,17 @@ class Library:
         """The version that answers; None in memory."""
         return self._shelf.snapshot.manifest.version if isinstance(self._shelf, DiskShelf) else None
 
+    @property
+    def snapshot(self) -> Snapshot:
+        """The version on disk that answers.
+
+        Raises:
+            InputError: The library is in memory.
+        """
+        if isinstance(self._shelf, DiskShelf):
+            return self._shelf.snapshot
+        raise InputError("library: it is in memory; Library.create makes one on disk")
+
     def save(self, folder: str | Path) -> None:
         """Write every demonstration as a folder of its own (object.glb, demonstration.json) under `folder`.
 

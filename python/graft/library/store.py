@@ -9,6 +9,7 @@ that comes second applies its change to what the other left. Nothing but `vacuum
 
 from __future__ import annotations
 
+import contextlib
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +27,7 @@ from graft.library.files import check_size, place_new, sync_folder
 from graft.library.manifest import (
     SEGMENTS,
     VERSIONS,
+    DamagedVersionError,
     LibraryChangedError,
     Manifest,
     SegmentEntry,
@@ -146,7 +148,7 @@ def commit(path: Path, change: Callable[[Snapshot], Manifest], base: Snapshot | 
     """
     for _ in range(ATTEMPTS):
         newest = version_numbers(path)[-1:]
-        current = base if base is not None and newest == [base.manifest.version] else _open_whole(path)
+        current = base if base is not None and newest == [base.manifest.version] else open_whole(path)
         following = replace(
             change(current),
             version=max([current.manifest.version, *newest]) + 1,
@@ -173,7 +175,7 @@ def append(path: Path, entries: Sequence[SegmentEntry], relations: int, base: Sn
     """
     sync_folder(path / SEGMENTS)
     new = Snapshot(path, replace(_manifest(path, base), segments=tuple(entries)))
-    names = [segment.names.take(pa.array(_rows(segment))) for segment in new.segments]
+    names = [segment.names.take(pa.array(rows_of(segment))) for segment in new.segments]
     wanted: list[str] = pa.chunked_array(names).to_pylist()
 
     def change(current: Snapshot) -> Manifest:
@@ -190,7 +192,21 @@ def append(path: Path, entries: Sequence[SegmentEntry], relations: int, base: Sn
             operation=f"add {sum(e.objects - e.n_removed for e in entries)}",
         )
 
-    return commit(path, change, base)
+    try:
+        return commit(path, change, base)
+    except InputError:
+        _discard(path, entries)
+        raise
+
+
+def _discard(path: Path, entries: Sequence[SegmentEntry]) -> None:
+    """Delete segments that no version came to name; where that is not certain they are left to `vacuum`."""
+    try:
+        named = {entry.id for n in version_numbers(path) for entry in read_manifest(path, n).segments}
+    except InputError:
+        return
+    for file in (file for entry in entries if entry.id not in named for file in entry.all_files):
+        (path / SEGMENTS / file.name).unlink(missing_ok=True)
 
 
 def remove(path: Path, names: Iterable[str], base: Snapshot | None = None) -> Snapshot:
@@ -220,7 +236,7 @@ def remove(path: Path, names: Iterable[str], base: Snapshot | None = None) -> Sn
 
 def without(segment: Segment, rows: Sequence[int]) -> SegmentEntry:
     """Write that rows of a segment are removed, beside those that are already; return its new entry."""
-    left = np.setdiff1d(_rows(segment), rows)
+    left = np.setdiff1d(rows_of(segment), rows)
     gone = np.setdiff1d(np.arange(len(segment)), left)
     batch = pa.RecordBatch.from_arrays([pa.array(gone, pa.int64())], schema=REMOVED)
     name = f"{segment.entry.id}.removed-{len(gone)}-{np.random.default_rng().bytes(4).hex()}.arrow"
@@ -228,13 +244,14 @@ def without(segment: Segment, rows: Sequence[int]) -> SegmentEntry:
     return replace(segment.entry, n_removed=len(gone), removed=file)
 
 
-def checkout(path: Path, version: int) -> Snapshot:
+def checkout(path: str | Path, version: int) -> Snapshot:
     """Commit a version that is what an earlier one was.
 
     Raises:
         InputError: There is no such version or it is damaged.
         LibraryChangedError: Another writer changed the library meanwhile.
     """
+    path = Path(path)
     earlier = open_store(path, version)
     number = version_numbers(path)[-1] + 1
     following = replace(
@@ -247,15 +264,25 @@ def checkout(path: Path, version: int) -> Snapshot:
     return Snapshot(path, following)
 
 
-def _rows(segment: Segment) -> Ints:
+def versions(path: str | Path) -> list[Manifest]:
+    """Return the versions of a library that are whole, oldest first."""
+    whole = []
+    for number in version_numbers(Path(path)):
+        with contextlib.suppress(DamagedVersionError):
+            whole.append(read_manifest(Path(path), number))
+    return whole
+
+
+def rows_of(segment: Segment) -> Ints:
+    """Return the rows that are not removed."""
     return np.arange(len(segment)) if segment.live is None else segment.live
 
 
 def _manifest(path: Path, base: Snapshot | None) -> Manifest:
-    return (_open_whole(path) if base is None else base).manifest
+    return (open_whole(path) if base is None else base).manifest
 
 
-def _open_whole(path: Path) -> Snapshot:
+def open_whole(path: Path) -> Snapshot:
     """Open the newest version for a change, which a damaged one must not be lost by."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)
