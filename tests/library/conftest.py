@@ -3,11 +3,14 @@
 import shutil
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from graft import zoo
 from graft.graph import build_graph
 from graft.library import Library
+from graft.marking import mark_contact
+from graft.objects import Part, PartObject
 
 TAGS = (["left", "kitchen"], ["kitchen"], [], None)
 
@@ -63,4 +66,15 @@ def small(pairs, tmp_path):
     library = Library.create(tmp_path / "small", samples=False)
     for shown, graph in pairs[:2]:
         library.extend_graphs([shown], [graph])
+    return library.path
+
+
+@pytest.fixture
+def tiny(tmp_path):
+    """A library of two objects of two tetrahedra each, in two versions after the empty one: 20 kB."""
+    library = Library.create(tmp_path / "tiny", samples=False, descriptor=None)
+    corners, faces = np.vstack([np.zeros(3), np.eye(3)]), [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    for name, far in (("near", 1.0), ("far", 2.0)):
+        parts = (Part("left", corners, faces), Part("right", 0.5 * corners + [far, 0, 0], faces))
+        library.add(mark_contact(PartObject(name, parts), "right"))
     return library.path

@@ -13,7 +13,7 @@ from graft.library.library import Library, match
 from graft.library.manifest import LibraryChangedError, Manifest
 from graft.library.matching import Match
 from graft.library.store import checkout, versions
-from graft.library.verify import Report, verify
+from graft.library.verify import Report, drop_damaged, verify
 
 __all__ = [
     "Explanation",
@@ -26,6 +26,7 @@ __all__ = [
     "Report",
     "checkout",
     "compact",
+    "drop_damaged",
     "export_table",
     "match",
     "vacuum",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from graft.errors import InputError
-from graft.library.files import FileEntry, sync_folder
+from graft.library.files import sync_folder
 from graft.library.manifest import (
     SEGMENTS,
     VERSIONS,
@@ -24,7 +24,7 @@ from graft.library.manifest import (
 )
 from graft.library.segment import Segment
 from graft.library.store import Snapshot, commit, open_whole, rows_of
-from graft.library.tables import BATCH, GRAPHS, OBJECTS, PartColumns, open_table, write_segment
+from graft.library.tables import PartColumns, write_segment
 from graft.objects import Ints
 
 OBJECTS_TOGETHER = 1 << 16
@@ -158,11 +158,8 @@ def _merge(folder: Path, group: Sequence[Segment]) -> SegmentEntry:
         np.concatenate([c.hops[own] for c, own in columns]),
     )
     graphs = pa.concat_batches([segment.graphs.take(pa.array(rows)) for segment, rows in kept])
-    places = np.arange(len(graphs))
-    moved = {"batch": pa.array(places // BATCH, pa.int32()), "row": pa.array(places % BATCH, pa.int32())}
-    arrays = [moved.get(name, graphs[name]) for name in GRAPHS.names]
-    graphs = pa.RecordBatch.from_arrays(arrays, schema=GRAPHS)
-    return write_segment(folder, together, graphs, object_rows(kept))
+    objects = (segment.object_batch(row) for segment, rows in kept for row in rows.tolist())
+    return write_segment(folder, together, graphs, objects)
 
 
 def _part_rows(segment: Segment, rows: Ints) -> Ints:
@@ -171,27 +168,3 @@ def _part_rows(segment: Segment, rows: Ints) -> Ints:
     for first, end in zip(segment.offsets[rows], segment.offsets[rows + 1], strict=True):
         mask[first:end] = True
     return np.flatnonzero(mask)
-
-
-def object_rows(kept: Sequence[tuple[Segment, Ints]]) -> Iterator[pa.RecordBatch]:
-    """Return rows of the `objects` tables of segments in batches of `BATCH`; every file is checked first."""
-    waiting: list[pa.RecordBatch] = []
-    for segment, rows in kept:
-        file: FileEntry = segment.entry.files["objects"]
-        reader = open_table(segment.folder, file, check=True)
-        batches, places = (segment.graphs[key].to_numpy()[rows] for key in ("batch", "row"))
-        for batch in np.unique(batches).tolist():
-            waiting.append(reader.get_batch(batch).take(pa.array(places[batches == batch])))
-            while sum(len(some) for some in waiting) >= BATCH:
-                together = pa.concat_batches(waiting)
-                yield _plain(together[:BATCH])
-                waiting = [together[BATCH:]] if len(together) > BATCH else []
-    if waiting:
-        yield _plain(pa.concat_batches(waiting))
-
-
-def _plain(batch: pa.RecordBatch) -> pa.RecordBatch:
-    """Return a batch whose columns begin with its first row."""
-    return pa.RecordBatch.from_arrays(
-        [column.take(pa.array(np.arange(len(batch)))) for column in batch], schema=OBJECTS
-    )

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from graft import _core
 from graft.errors import InputError
 from graft.graph import PartGraph, source_mass
-from graft.library.tables import BATCH, GRAPHS, OBJECT_ARRAYS, OBJECTS, PartColumns, ragged
+from graft.library.tables import GRAPHS, OBJECT_ARRAYS, OBJECTS, PLACES, PartColumns, ragged, single
 from graft.objects import Demonstration, Joint
 
 Arrays = dict[str, NDArray[Any]]
@@ -81,18 +80,6 @@ def content_id(demonstration: Demonstration) -> bytes:
     return digest.digest()
 
 
-def row_checksum(document: str, arrays: Mapping[str, NDArray[Any]]) -> int:
-    """Return the xxh3-64 of a row of `objects`: lengths and bytes of every column."""
-    digest = xxhash.xxh3_64()
-    text = document.encode()
-    digest.update(struct.pack("<q", len(text)) + text)
-    for name in OBJECT_ARRAYS:
-        array = np.ascontiguousarray(arrays[name])
-        digest.update(struct.pack("<q", array.nbytes))
-        digest.update(array.data)
-    return digest.intdigest()
-
-
 def part_columns(rows: Sequence[Row], saliency: float) -> PartColumns:
     """Return the `parts` table of rows.
 
@@ -115,7 +102,7 @@ def part_columns(rows: Sequence[Row], saliency: float) -> PartColumns:
 
 
 def graphs_batch(rows: Sequence[Row]) -> pa.RecordBatch:
-    """Return the `graphs` table of rows, whose objects are written in batches of `BATCH`."""
+    """Return the `graphs` table of rows, without the places of their objects."""
     shown = [row.demonstration for row in rows]
     words = [d.metadata for d in shown]
     columns = [
@@ -129,20 +116,17 @@ def graphs_batch(rows: Sequence[Row]) -> pa.RecordBatch:
         [d.contact.part for d in shown],
         ragged(GRAPHS.field("flags").type, [np.array([f.value for f in r.graph.flags], np.uint8) for r in rows]),
         ragged(GRAPHS.field("structure").type, [row.graph.structure for row in rows]),
-        [i // BATCH for i in range(len(rows))],
-        [i % BATCH for i in range(len(rows))],
-        [row_checksum(row.document, row.arrays) for row in rows],
     ]
-    arrays = [c if isinstance(c, pa.Array) else pa.array(c, f.type) for c, f in zip(columns, GRAPHS, strict=True)]
-    return pa.RecordBatch.from_arrays(arrays, schema=GRAPHS)
+    schema = pa.schema([field for field in GRAPHS if field.name not in PLACES])
+    arrays = [c if isinstance(c, pa.Array) else pa.array(c, f.type) for c, f in zip(columns, schema, strict=True)]
+    return pa.RecordBatch.from_arrays(arrays, schema=schema)
 
 
-def object_batches(rows: Sequence[Row]) -> Iterator[pa.RecordBatch]:
-    """Return the `objects` table of rows, batch by batch."""
-    for first in range(0, len(rows), BATCH):
-        some = rows[first : first + BATCH]
-        arrays = [pa.array([row.document for row in some], pa.large_string())]
-        arrays += [ragged(kind, [row.arrays[name] for row in some]) for name, kind in OBJECT_ARRAYS.items()]
+def object_batches(rows: Iterable[Row]) -> Iterator[pa.RecordBatch]:
+    """Return the `objects` table of rows, one record batch each."""
+    for row in rows:
+        arrays = [pa.array([row.document], pa.large_string())]
+        arrays += [single(kind, row.arrays[name]) for name, kind in OBJECT_ARRAYS.items()]
         yield pa.RecordBatch.from_arrays(arrays, schema=OBJECTS)
 
 

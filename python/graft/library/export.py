@@ -13,20 +13,20 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from graft.errors import InputError, MissingExtraError
-from graft.library.compact import object_rows
 from graft.library.segment import Segment
 from graft.library.store import Snapshot, rows_of
-from graft.library.tables import FLOATS, GRAPHS, OBJECTS, ragged
+from graft.library.tables import FLOATS, GRAPHS, OBJECTS, PLACES, ragged
 
 TableFormat = Literal["parquet", "lance"]
 
 PART_COLUMNS = ("extents", "relations", "descriptors", "masses")
 """Numbers of every part, flat, a row per object."""
 
-_PLACES = ("batch", "row", "checksum")
+TOGETHER = 64
+"""Objects that are written at a time."""
 
 SCHEMA = pa.schema(
-    [field for field in GRAPHS if field.name not in _PLACES] + [(n, FLOATS) for n in PART_COLUMNS] + list(OBJECTS)
+    [field for field in GRAPHS if field.name not in PLACES] + [(n, FLOATS) for n in PART_COLUMNS] + list(OBJECTS)
 )
 """One row per object: what is known of it, its part graph, and its meshes; arrays are flat."""
 
@@ -72,13 +72,12 @@ def _lance() -> Any:
 def _batches(snapshot: Snapshot) -> Iterator[pa.RecordBatch]:
     for segment in snapshot.segments:
         rows = rows_of(segment)
-        first = 0
-        for objects in object_rows([(segment, rows)]):
-            own = rows[first : first + len(objects)]
-            first += len(objects)
+        for first in range(0, len(rows), TOGETHER):
+            own = rows[first : first + TOGETHER]
             graphs = segment.graphs.take(pa.array(own))
-            known = [graphs[name] for name in SCHEMA.names[: len(GRAPHS) - len(_PLACES)]]
+            known = [graphs[field.name] for field in GRAPHS if field.name not in PLACES]
             parts = [_parts(segment, name, own) for name in PART_COLUMNS]
+            objects = pa.concat_batches([segment.object_batch(row) for row in own.tolist()])
             yield pa.RecordBatch.from_arrays([*known, *parts, *objects], schema=SCHEMA)
 
 

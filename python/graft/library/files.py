@@ -41,15 +41,23 @@ class HashingFile:
     def __init__(self, file: IO[bytes]) -> None:
         self._file = file
         self._hash = xxhash.xxh3_128()
+        self._marked = xxhash.xxh3_64()
         self._size = 0
 
     def write(self, data: bytes) -> int:
         """Write and count."""
         view = memoryview(data).cast("B")
         self._hash.update(view)
+        self._marked.update(view)
         self._size += len(view)
         self._file.write(view)
         return len(view)
+
+    def mark(self) -> int:
+        """Return the xxh3-64 of what was written since the last mark."""
+        digest = self._marked.intdigest()
+        self._marked.reset()
+        return digest
 
     def tell(self) -> int:
         """Return the bytes written so far."""

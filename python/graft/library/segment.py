@@ -9,18 +9,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
+import xxhash
 
 from graft.errors import InputError
 from graft.graph import PartGraph
 from graft.library.decode import demonstration_of, graph_of, parse_document
-from graft.library.encode import Arrays, row_checksum
+from graft.library.encode import Arrays
+from graft.library.files import map_file
 from graft.library.manifest import SegmentEntry
-from graft.library.tables import OBJECT_ARRAYS, PartColumns, numbers, open_table, read_only_batch
+from graft.library.tables import OBJECT_ARRAYS, OBJECTS, PLACES, PartColumns, numbers, read_only_batch
 from graft.objects import Demonstration, Floats, Ints
 from graft.transport import UFGW, PackedGraphs
 from graft.transport.packed import side_by_side
@@ -117,8 +117,8 @@ class Segment:
         return masses
 
     @cached_property
-    def _objects(self) -> pa.ipc.RecordBatchFileReader:
-        return open_table(self.folder, self.entry.files["objects"], check=False)
+    def _objects(self) -> pa.Buffer:
+        return map_file(self.folder, self.entry.files["objects"], check=False)
 
     def read(self, row: int) -> tuple[Demonstration, PartGraph]:
         """Read one object.
@@ -148,26 +148,20 @@ class Segment:
         document, arrays = self._row(row)
         return demonstration_of(parse_document(document), arrays)
 
-    def _row(self, row: int) -> tuple[str, Arrays]:
-        batch, place = self.graphs["batch"][row].as_py(), self.graphs["row"][row].as_py()
-        path = self.folder / self.entry.files["objects"].name
-        try:
-            table = self._objects.get_batch(batch)
-            document = table["document"][place].as_py()
-            arrays = {name: _slice(table[name], place) for name in OBJECT_ARRAYS}
-        except (pa.ArrowException, OSError, IndexError, KeyError, ValueError, TypeError) as error:
-            raise InputError(f"damaged: {error}", path=path) from None
-        if row_checksum(document, arrays) != self.graphs["checksum"][row].as_py():
+    def object_batch(self, row: int) -> pa.RecordBatch:
+        """Return a row of the `objects` table, its checksum compared.
+
+        Raises:
+            InputError: Its bytes are not those that were written.
+        """
+        start, length, checksum = (self.graphs[key][row].as_py() for key in PLACES)
+        data = self._objects.slice(start, length)
+        if xxhash.xxh3_64_intdigest(memoryview(data)) != checksum:
+            path = self.folder / self.entry.files["objects"].name
             name = self.names[row].as_py()
             raise InputError(f"damaged: object {name!r} does not have the checksum that was written", path=path)
-        return document, arrays
+        return pa.ipc.read_record_batch(data, OBJECTS)
 
-
-def _slice(column: pa.LargeListArray, row: int) -> NDArray[Any]:
-    """Return one row of a column of lists; offsets that lead out of the column give what there is."""
-    offsets = column.offsets.to_numpy(zero_copy_only=True)
-    first, end = int(offsets[row]), int(offsets[row + 1])
-    if not 0 <= first <= end <= len(column.values):
-        raise ValueError(f"row {row} lies outside of its column")
-    array: NDArray[Any] = column.values.to_numpy(zero_copy_only=True)[first:end]
-    return array
+    def _row(self, row: int) -> tuple[str, Arrays]:
+        batch = self.object_batch(row)
+        return batch["document"][0].as_py(), {name: numbers(batch[name]) for name in OBJECT_ARRAYS}

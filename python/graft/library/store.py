@@ -252,11 +252,17 @@ def checkout(path: str | Path, version: int) -> Snapshot:
         LibraryChangedError: Another writer changed the library meanwhile.
     """
     path = Path(path)
-    earlier = open_store(path, version)
-    number = version_numbers(path)[-1] + 1
-    following = replace(
-        earlier.manifest, version=number, parent=version, created=_now(), operation=f"checkout {version}"
-    )
+    earlier = open_store(path, version).manifest
+    return place_next(path, replace(earlier, operation=f"checkout {version}"), version)
+
+
+def place_next(path: Path, manifest: Manifest, parent: int) -> Snapshot:
+    """Commit a manifest as the version after the last one, whole or not.
+
+    Raises:
+        LibraryChangedError: Another writer placed that version meanwhile.
+    """
+    following = replace(manifest, version=version_numbers(path)[-1] + 1, parent=parent, created=_now())
     try:
         _place(path, following)
     except FileExistsError:
@@ -290,7 +296,7 @@ def open_whole(path: Path) -> Snapshot:
     if snapshot.damaged:
         raise InputError(
             f"version {snapshot.damaged[0]} is damaged and nothing is changed: go on from version "
-            f"{snapshot.manifest.version} with checkout",
+            f"{snapshot.manifest.version} with checkout, or without what is damaged with verify --drop-damaged",
             path=path,
         )
     return snapshot

@@ -5,8 +5,9 @@ parts    rows are parts: what the solver reads of a part
 graphs   rows are objects: ids, names, what filters look at, structures, where the rest lies
 objects  rows are objects: meshes, samples, contact, names, metadata; read for the matches only
 
-The first three hold one record batch each, whose columns go to the core as they lie in the file. Objects lie in
-batches of `BATCH`, each row with a checksum in `graphs`.
+The first three hold one record batch each, whose columns go to the core as they lie in the file. Every object is a
+record batch of its own, whose place and checksum are in `graphs`: it is read without looking at the rest of the file,
+which need not be whole (pyarrow aborts on some files that are not).
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ from graft.transport.packed import LANES, side_by_side
 
 TABLES = ("bounds", "parts", "graphs", "objects")
 
-BATCH = 64
-"""Objects in a batch of the cold table: reading one maps them all, and reads its own rows."""
+BUFFER = 1 << 20
+"""Bytes that are collected before they are written."""
 
 FLOATS = pa.large_list(pa.float64())
 BYTES = pa.large_list(pa.uint8())
@@ -47,12 +48,15 @@ GRAPHS = pa.schema(
         ("part", pa.int64()),
         ("flags", BYTES),
         ("structure", FLOATS),
-        ("batch", pa.int32()),
-        ("row", pa.int32()),
+        ("start", pa.int64()),
+        ("length", pa.int64()),
         ("checksum", pa.uint64()),
     ]
 )
-"""`flags` has a number a part, so that its offsets are where every graph's parts begin."""
+"""`flags` has a number a part, so that its offsets are where every graph's parts begin; `start` and `length` say which
+bytes of the file of `objects` are the object, `checksum` is their xxh3-64."""
+
+PLACES = ("start", "length", "checksum")
 
 OBJECT_ARRAYS: dict[str, pa.DataType] = {
     "vertices": FLOATS,
@@ -72,6 +76,8 @@ OBJECT_ARRAYS: dict[str, pa.DataType] = {
 """Columns of `objects` beside `document`, flat."""
 
 OBJECTS = pa.schema([("document", pa.large_string()), *OBJECT_ARRAYS.items()])
+
+_NOTHING = pa.RecordBatch.from_arrays([pa.array([], field.type) for field in OBJECTS], schema=OBJECTS)
 
 REMOVED = pa.schema([("row", pa.int64())])
 
@@ -98,6 +104,11 @@ def ragged(kind: pa.DataType, rows: Iterable[NDArray[Any]]) -> pa.LargeListArray
     offsets = np.concatenate(([0], np.cumsum([len(row) for row in flat], dtype=np.int64)))
     values = np.concatenate(flat) if flat else np.empty(0)
     return pa.LargeListArray.from_arrays(pa.array(offsets), pa.array(values, kind.value_type))
+
+
+def single(kind: pa.DataType, row: NDArray[Any]) -> pa.LargeListArray:
+    """Return one array as a column of one list."""
+    return pa.LargeListArray.from_arrays(pa.array([0, row.size], pa.int64()), pa.array(row, kind.value_type))
 
 
 def parts_batch(columns: PartColumns) -> pa.RecordBatch:
@@ -131,32 +142,61 @@ def write_table(path: Path, schema: pa.Schema, batches: Iterable[pa.RecordBatch]
     return write_new(path, write)
 
 
+def write_objects(path: Path, objects: Iterable[pa.RecordBatch]) -> tuple[FileEntry, pa.RecordBatch]:
+    """Write objects, one record batch each; return the file's entry and the columns `PLACES`."""
+    places: list[tuple[int, int, int]] = []
+
+    def write(sink: HashingFile) -> None:
+        with (
+            pa.PythonFile(sink, "w") as file,
+            pa.BufferedOutputStream(file, BUFFER) as stream,
+            pa.ipc.new_file(stream, OBJECTS) as writer,
+        ):
+            # The writer puts the schema before its first batch; an empty one leaves the first object alone.
+            writer.write_batch(_NOTHING)
+            for batch in objects:
+                stream.flush()
+                start, _ = sink.tell(), sink.mark()
+                writer.write_batch(batch)
+                stream.flush()
+                places.append((start, sink.tell() - start, sink.mark()))
+
+    entry = write_new(path, write)
+    schema = pa.schema([GRAPHS.field(name) for name in PLACES])
+    columns = [pa.array([place[i] for place in places], schema.types[i]) for i in range(len(PLACES))]
+    return entry, pa.RecordBatch.from_arrays(columns, schema=schema)
+
+
 def write_segment(
     folder: Path, parts: PartColumns, graphs: pa.RecordBatch, objects: Iterable[pa.RecordBatch]
 ) -> SegmentEntry:
     """Write the files of a segment; the folder itself is not flushed yet.
 
+    Args:
+        folder: For segments.
+        parts: Of all objects.
+        graphs: The columns of `GRAPHS`, `PLACES` aside.
+        objects: The same objects, one record batch each.
+
     Raises:
         InputError: The system refuses; no file is left then.
     """
     name = secrets.token_hex(8)
-    rows = parts_batch(parts)
-    bounds = bounds_batch(parts)
-    tables = {
-        "objects": (OBJECTS, objects),
-        "graphs": (GRAPHS, [graphs]),
-        "parts": (rows.schema, [rows]),
-        "bounds": (bounds.schema, [bounds]),
-    }
-    files: dict[str, FileEntry] = {}
+    paths = {table: folder / f"{name}.{table}.arrow" for table in TABLES}
     try:
-        for table, (schema, batches) in tables.items():
-            files[table] = write_table(folder / f"{name}.{table}.arrow", schema, batches)
+        entry, places = write_objects(paths["objects"], objects)
+        columns = [(places if f in PLACES else graphs)[f] for f in GRAPHS.names]
+        one = {
+            "graphs": pa.RecordBatch.from_arrays(columns, schema=GRAPHS),
+            "parts": parts_batch(parts),
+            "bounds": bounds_batch(parts),
+        }
+        files = {table: write_table(paths[table], batch.schema, [batch]) for table, batch in one.items()}
     except BaseException:
-        for entry in files.values():
-            (folder / entry.name).unlink(missing_ok=True)
+        for path in paths.values():
+            path.unlink(missing_ok=True)
         raise
-    return SegmentEntry(name, len(graphs), len(parts.masses), files)
+    return SegmentEntry(name, len(graphs), len(parts.masses), {"objects": entry, **files})
 
 
 def open_table(folder: Path, entry: FileEntry, *, check: bool) -> pa.ipc.RecordBatchFileReader:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from graft.errors import InputError
 from graft.library.files import LOCK, FileEntry
 from graft.library.manifest import SEGMENTS, VERSION_NAME, VERSIONS, Manifest, read_manifest, version_numbers
 from graft.library.segment import Segment
-from graft.library.store import is_store
+from graft.library.store import Snapshot, is_store, place_next, versions
 from graft.library.tables import open_table
 
 
@@ -71,6 +71,28 @@ def verify(path: str | Path) -> Report:
         tuple(problems),
         tuple(sorted(_foreign(path, known))),
     )
+
+
+def drop_damaged(path: str | Path) -> Snapshot:
+    """Commit a version with every whole segment of the newest version whose manifest is whole.
+
+    Nothing is deleted: what was dropped is still in the older versions, for the parts of it that can be read.
+
+    Raises:
+        InputError: No manifest is whole.
+    """
+    path = Path(path)
+    manifests = versions(path)
+    if not manifests:
+        raise InputError("no version of the library is whole", path=path / VERSIONS)
+    newest = manifests[-1]
+    segments = [Segment(path / SEGMENTS, e, newest.descriptor, newest.saliency) for e in newest.segments]
+    whole = [segment.entry for segment in segments if not list(_check(segment, {}))]
+    if len(whole) == len(segments) and version_numbers(path)[-1] == newest.version:
+        return Snapshot(path, newest)
+    lost = newest.objects - sum(entry.objects - entry.n_removed for entry in whole)
+    words = f"drop {lost} object{'s' * (lost != 1)} of damaged segments"
+    return place_next(path, replace(newest, segments=tuple(whole), operation=words), newest.version)
 
 
 def _check(segment: Segment, known: dict[str, FileEntry]) -> Iterator[str]:
