@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
+from graft.library.build import BuildReport, build
 from graft.library.compact import compact, vacuum
+from graft.library.executors import Executor, LocalExecutor
 from graft.library.explain import Explanation, PartPair
 from graft.library.export import export_table
 from graft.library.filters import Filter
@@ -16,14 +18,18 @@ from graft.library.store import checkout, versions
 from graft.library.verify import Report, drop_damaged, verify
 
 __all__ = [
+    "BuildReport",
+    "Executor",
     "Explanation",
     "Filter",
     "Library",
     "LibraryChangedError",
+    "LocalExecutor",
     "Manifest",
     "Match",
     "PartPair",
     "Report",
+    "build",
     "checkout",
     "compact",
     "drop_damaged",

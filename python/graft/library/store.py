@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -36,7 +37,7 @@ from graft.library.manifest import (
     version_path,
 )
 from graft.library.segment import Segment
-from graft.library.tables import REMOVED, write_table
+from graft.library.tables import GRAPHS, REMOVED, write_table
 from graft.objects import Ints
 
 ATTEMPTS = 1000
@@ -73,15 +74,16 @@ class Snapshot:
         """(segments + 1,) position of every segment's first object, removed ones counted."""
         return np.concatenate(([0], np.cumsum([s.objects for s in self.manifest.segments], dtype=np.int64)))
 
-    def find(self, names: Sequence[str]) -> dict[str, tuple[int, int]]:
-        """Return (segment, row) of those of the names that are in the library."""
-        wanted = pa.array(names, pa.large_string())
-        found: dict[str, tuple[int, int]] = {}
+    def find(self, values: Sequence[object], column: str = "name") -> dict[Any, tuple[int, int]]:
+        """Return (segment, row) of those of the names (ids, sources) that are in the library."""
+        wanted = pa.array(values, GRAPHS.field(column).type)
+        found: dict[Any, tuple[int, int]] = {}
         for number, segment in enumerate(self.segments):
-            rows = np.flatnonzero(pc.is_in(segment.names, value_set=wanted).to_numpy(zero_copy_only=False))
+            own = segment.graphs[column]
+            rows = np.flatnonzero(pc.is_in(own, value_set=wanted).to_numpy(zero_copy_only=False))
             if segment.live is not None:
                 rows = np.intersect1d(rows, segment.live)
-            found |= {segment.names[int(row)].as_py(): (number, int(row)) for row in rows}
+            found |= {own[int(row)].as_py(): (number, int(row)) for row in rows}
         return found
 
 
