@@ -5,17 +5,18 @@
 
 from __future__ import annotations
 
-from graft.library.build import BuildReport, build
-from graft.library.compact import compact, vacuum
+from graft.library.building import BuildReport, build
+from graft.library.compaction import compact, vacuum
 from graft.library.executors import Executor, LocalExecutor
 from graft.library.explain import Explanation, PartPair
 from graft.library.export import export_table
 from graft.library.filters import Filter
 from graft.library.library import Library, match
+from graft.library.listing import Listed, listing
 from graft.library.manifest import LibraryChangedError, Manifest
 from graft.library.matching import Match
 from graft.library.store import checkout, versions
-from graft.library.verify import Report, drop_damaged, verify
+from graft.library.verification import Report, drop_damaged, verify
 
 __all__ = [
     "BuildReport",
@@ -24,6 +25,7 @@ __all__ = [
     "Filter",
     "Library",
     "LibraryChangedError",
+    "Listed",
     "LocalExecutor",
     "Manifest",
     "Match",
@@ -34,6 +36,7 @@ __all__ = [
     "compact",
     "drop_damaged",
     "export_table",
+    "listing",
     "match",
     "vacuum",
     "verify",

@@ -89,7 +89,7 @@ class LocalExecutor:
 def _pool(workers: int) -> ProcessPoolExecutor:
     # A fork of a process with threads may hang; the server that is forked instead has none.
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["graft.library.build"])
+    context.set_forkserver_preload(["graft.library.building"])
     return ProcessPoolExecutor(workers, context, _one_core)
 
 

@@ -5,6 +5,7 @@ A file is complete on the disk before anything names it, and what names it holds
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import fcntl
 import os
@@ -107,20 +108,33 @@ def write_new(path: Path, write: Callable[[HashingFile], None]) -> FileEntry:
             os.fsync(file.fileno())
         return sink.entry(path.name)
     except OSError as error:
-        path.unlink(missing_ok=True)
+        discard(path)
         raise InputError(f"cannot be written: {error.strerror or error}", path=path) from error
     except BaseException:
-        path.unlink(missing_ok=True)
+        discard(path)
         raise
 
 
+def discard(path: Path) -> None:
+    """Delete a file that nothing names, if the system lets us; `vacuum` does otherwise."""
+    with contextlib.suppress(OSError):
+        path.unlink()
+
+
 def sync_folder(folder: Path) -> None:
-    """Flush a folder's list of files to the disk."""
-    handle = os.open(folder, os.O_RDONLY)
+    """Flush a folder's list of files to the disk.
+
+    Raises:
+        InputError: The system refuses.
+    """
     try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror or error}", path=folder) from error
 
 
 def place_new(path: Path, data: bytes) -> None:
@@ -150,7 +164,7 @@ def place_new(path: Path, data: bytes) -> None:
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror or error}", path=path) from error
     finally:
-        draft.unlink(missing_ok=True)
+        discard(draft)
 
 
 def _rename_new(draft: Path, path: Path) -> None:

@@ -227,6 +227,18 @@ class Library:
     def __iter__(self) -> Iterator[Demonstration]:
         return self._shelf.demonstrations()
 
+    def get(self, names: Sequence[str]) -> list[Demonstration]:
+        """Return the demonstrations of these names, in the order of the names.
+
+        Raises:
+            InputError: The library has none of such a name, or its bytes are damaged.
+        """
+        places = self._shelf.find(names)
+        missing = [name for name in names if name not in places]
+        if missing:
+            raise InputError(f"library: it has no demonstration called {missing[0]!r}")
+        return [self._shelf.read(places[name])[0] for name in names]
+
     def retrieve(
         self,
         target: ObjectLike | PartGraph,

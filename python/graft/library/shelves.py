@@ -12,7 +12,8 @@ from graft.errors import InputError
 from graft.graph import PartGraph
 from graft.library.filters import Filter
 from graft.library.search import Block
-from graft.library.store import Snapshot
+from graft.library.segment import Segment
+from graft.library.store import Snapshot, rows_of
 from graft.objects import Demonstration, Ints
 from graft.transport import UFGW, PackedGraphs
 
@@ -32,6 +33,10 @@ class Shelf(Protocol):
 
     def read(self, position: int) -> tuple[Demonstration, PartGraph]:
         """Return an object and its part graph."""
+        ...
+
+    def find(self, names: Sequence[str]) -> dict[str, int]:
+        """Return the positions of those of the names that are there."""
         ...
 
     def demonstrations(self) -> Iterator[Demonstration]:
@@ -89,6 +94,11 @@ class MemoryShelf:
         """Return an object and its graph."""
         return self.shown[position], self.graphs[position]
 
+    def find(self, names: Sequence[str]) -> dict[str, int]:
+        """Return the positions of names."""
+        wanted = set(names)
+        return {d.name: i for i, d in enumerate(self.shown) if d.name in wanted}
+
     def demonstrations(self) -> Iterator[Demonstration]:
         """Return all objects."""
         return iter(self.shown)
@@ -103,32 +113,38 @@ class DiskShelf:
     def __len__(self) -> int:
         return self.snapshot.manifest.objects
 
+    def rows(self, only: Filter | None) -> Iterator[tuple[Segment, Ints]]:
+        """Return the rows of every segment that a filter accepts."""
+        for segment in self.snapshot.segments:
+            rows = rows_of(segment)
+            yield segment, rows if only is None else np.intersect1d(rows, only.rows(segment.graphs), assume_unique=True)
+
     def positions(self, only: Filter | None) -> Ints:
         """Return the positions that a filter accepts."""
-        chosen = []
-        for first, segment in zip(self.snapshot.starts, self.snapshot.segments, strict=False):
-            rows = np.arange(len(segment)) if segment.live is None else segment.live
-            rows = rows if only is None else np.intersect1d(rows, only.rows(segment.graphs), assume_unique=True)
-            chosen.append(rows + first)
+        chosen = [rows + first for first, (_, rows) in zip(self.snapshot.starts, self.rows(only), strict=False)]
         return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
 
     def blocks(self, solver: UFGW, only: Filter | None, among: Ints | None) -> Iterator[Block]:
         """Return the segments as they are mapped."""
-        for number, segment in enumerate(self.snapshot.segments):
+        for number, (segment, rows) in enumerate(self.rows(only)):
             first, end = self.snapshot.starts[number : number + 2]
-            rows = segment.live
+            chosen: Ints | None = rows
             if among is not None:
-                rows = among[np.searchsorted(among, first) : np.searchsorted(among, end)] - first
-            elif only is not None:
-                rows = only.rows(segment.graphs)
-                rows = rows if segment.live is None else np.intersect1d(rows, segment.live, assume_unique=True)
-            if rows is None or len(rows):
-                yield Block(segment.packed(solver), int(first), rows)
+                chosen = among[np.searchsorted(among, first) : np.searchsorted(among, end)] - first
+            elif len(rows) == len(segment):
+                chosen = None
+            if chosen is None or len(chosen):
+                yield Block(segment.packed(solver), int(first), chosen)
 
     def read(self, position: int) -> tuple[Demonstration, PartGraph]:
         """Read an object and its graph."""
         number = int(np.searchsorted(self.snapshot.starts, position, side="right")) - 1
         return self.snapshot.segments[number].read(position - int(self.snapshot.starts[number]))
+
+    def find(self, names: Sequence[str]) -> dict[str, int]:
+        """Return the positions of names."""
+        places = self.snapshot.find(names)
+        return {name: int(self.snapshot.starts[number]) + row for name, (number, row) in places.items()}
 
     def demonstrations(self) -> Iterator[Demonstration]:
         """Read all objects, one by one."""

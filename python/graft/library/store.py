@@ -24,7 +24,7 @@ import pyarrow.compute as pc
 
 from graft.errors import InputError, InputWarning
 from graft.graph import SALIENCY
-from graft.library.files import check_size, place_new, sync_folder
+from graft.library.files import check_size, discard, place_new, sync_folder
 from graft.library.manifest import (
     SEGMENTS,
     VERSIONS,
@@ -175,7 +175,6 @@ def append(path: Path, entries: Sequence[SegmentEntry], relations: int, base: Sn
     Raises:
         InputError: A name is taken, or relations are of another length.
     """
-    sync_folder(path / SEGMENTS)
     new = Snapshot(path, replace(_manifest(path, base), segments=tuple(entries)))
     names = [segment.names.take(pa.array(rows_of(segment))) for segment in new.segments]
     wanted: list[str] = pa.chunked_array(names).to_pylist()
@@ -195,6 +194,7 @@ def append(path: Path, entries: Sequence[SegmentEntry], relations: int, base: Sn
         )
 
     try:
+        sync_folder(path / SEGMENTS)
         return commit(path, change, base)
     except InputError:
         _discard(path, entries)
@@ -208,7 +208,7 @@ def _discard(path: Path, entries: Sequence[SegmentEntry]) -> None:
     except InputError:
         return
     for file in (file for entry in entries if entry.id not in named for file in entry.all_files):
-        (path / SEGMENTS / file.name).unlink(missing_ok=True)
+        discard(path / SEGMENTS / file.name)
 
 
 def remove(path: Path, names: Iterable[str], base: Snapshot | None = None) -> Snapshot:

@@ -23,7 +23,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from graft.errors import InputError
-from graft.library.files import FileEntry, HashingFile, map_file, write_new
+from graft.library.files import FileEntry, HashingFile, discard, map_file, write_new
 from graft.library.manifest import SegmentEntry
 from graft.objects import Floats
 from graft.transport.packed import LANES, side_by_side
@@ -194,7 +194,7 @@ def write_segment(
         files = {table: write_table(paths[table], batch.schema, [batch]) for table, batch in one.items()}
     except BaseException:
         for path in paths.values():
-            path.unlink(missing_ok=True)
+            discard(path)
         raise
     return SegmentEntry(name, len(graphs), len(parts.masses), {"objects": entry, **files})
 

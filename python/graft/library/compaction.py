@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from graft.errors import InputError
-from graft.library.files import sync_folder
+from graft.library.files import discard, sync_folder
 from graft.library.manifest import (
     SEGMENTS,
     VERSIONS,
@@ -70,7 +70,7 @@ def compact(path: str | Path, *, objects: int = OBJECTS_TOGETHER) -> Snapshot:
     except LibraryChangedError:
         for _, entry in merged:
             for file in () if entry is None else entry.all_files:
-                (path / SEGMENTS / file.name).unlink(missing_ok=True)
+                discard(path / SEGMENTS / file.name)
         raise
 
 
