@@ -75,6 +75,6 @@ def tiny(tmp_path):
     library = Library.create(tmp_path / "tiny", samples=False, descriptor=None)
     corners, faces = np.vstack([np.zeros(3), np.eye(3)]), [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
     for name, far in (("near", 1.0), ("far", 2.0)):
-        parts = (Part("left", corners, faces), Part("right", 0.5 * corners + [far, 0, 0], faces))
+        parts = (Part("left", corners, faces), Part("right", 0.5 * corners + np.array([far, 0, 0]), faces))
         library.add(mark_contact(PartObject(name, parts), "right"))
     return library.path

@@ -17,7 +17,7 @@ from graft.objects import Part, PartObject
 def tetrahedra(name="pair", far=1.0):
     """Return a demonstration on an object of two tetrahedra, and its graph without descriptors."""
     corners, faces = np.vstack([np.zeros(3), np.eye(3)]), [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-    parts = (Part("left", corners, faces), Part("right", 0.5 * corners + [far, 0, 0], faces))
+    parts = (Part("left", corners, faces), Part("right", 0.5 * corners + np.array([far, 0, 0]), faces))
     shown = mark_contact(PartObject(name, parts), "right")
     return shown, build_graph(shown.object, descriptor=None)
 
