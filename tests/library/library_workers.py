@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from graft.errors import InputError
 from graft.graph import build_graph
 from graft.library import Library
 from graft.marking import mark_contact
@@ -58,3 +59,8 @@ def die_once(task):
         time.sleep(0.05)
         os.kill(os.getpid(), signal.SIGKILL)
     return number
+
+
+def refuse(task):
+    """Raise an error for a user."""
+    raise InputError(f"no: {task}")

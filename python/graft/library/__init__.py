@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from graft.library.building import BuildReport, build
+from graft.library.cluster import RayExecutor
 from graft.library.compaction import compact, vacuum
 from graft.library.executors import Executor, LocalExecutor
 from graft.library.explain import Explanation, PartPair
@@ -30,6 +31,7 @@ __all__ = [
     "Manifest",
     "Match",
     "PartPair",
+    "RayExecutor",
     "Report",
     "build",
     "checkout",

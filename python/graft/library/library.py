@@ -16,11 +16,13 @@ from graft.features import Descriptor, GeometricDescriptor
 from graft.graph import PartGraph, build_graph
 from graft.io import ObjectLike, as_object, load_demonstrations, save_demonstration
 from graft.library.encode import graphs_batch, make_row, object_batches, part_columns
+from graft.library.executors import Executor
 from graft.library.explain import Explanation, explanation
 from graft.library.filters import Filter
 from graft.library.manifest import SEGMENTS
 from graft.library.matching import Match
 from graft.library.search import Query, best
+from graft.library.shards import search
 from graft.library.shelves import DiskShelf, MemoryShelf, Shelf
 from graft.library.store import Snapshot, append, create_store, is_store, open_store, remove
 from graft.library.tables import write_segment
@@ -49,6 +51,7 @@ class Library:
     def __init__(self, *, solver: UFGW | None = None, descriptor: Descriptor | None = GeometricDescriptor()) -> None:
         self.solver = UFGW() if solver is None else solver
         self.descriptor = descriptor
+        self.executor: Executor | None = None
         self._shelf: MemoryShelf | DiskShelf = MemoryShelf()
 
     @classmethod
@@ -85,6 +88,7 @@ class Library:
         version: int | None = None,
         solver: UFGW | None = None,
         descriptor: Descriptor | None = GeometricDescriptor(),
+        executor: Executor | None = None,
     ) -> Library:
         """Open a library on disk, or read the demonstrations in a folder, in the order of their folders' names.
 
@@ -93,6 +97,8 @@ class Library:
             version: Of a library on disk; the newest by default.
             solver: Parameters of the matching.
             descriptor: Describes targets and what is added; None matches by boxes and structure alone.
+            executor: Where a library on disk is searched, a shard of its segments per worker, with the same answers;
+                in this process by default. Its workers must see the path.
 
         Warns:
             InputWarning: The newest version is damaged, an older one was taken.
@@ -104,6 +110,7 @@ class Library:
         library = cls(solver=solver, descriptor=descriptor)
         if is_store(path):
             library._shelf = DiskShelf(open_store(Path(path), version))
+            library.executor = executor
             library._check_descriptor(library._shelf.snapshot)
             return library
         if version is not None:
@@ -283,7 +290,12 @@ class Library:
             chosen = shelf.positions(only) if among is None else among
             return [int(i) for i in chosen]
         # Bounds rule most of a large library out; what is left is solved again, for its plans.
-        found = best(shelf.blocks(self.solver, only, among), Query.of(graph), k, bar=max_cost)
+        query = Query.of(graph)
+        if self.executor is not None and isinstance(shelf, DiskShelf) and among is None:
+            snapshot = shelf.snapshot
+            found = search(self.executor, snapshot, query, k, bar=max_cost, solver=self.solver, only=only)
+        else:
+            found = best(shelf.blocks(self.solver, only, among), query, k, bar=max_cost)
         return sorted(position for _, position in found)
 
     def _matches(self, graph: PartGraph, positions: Sequence[int], k: int) -> list[Match]:
@@ -299,6 +311,17 @@ class Library:
             ]
             kept = sorted(kept, key=lambda entry: entry[:2])[:k]
         return [Match(m.demonstration, m.source, graph, m.transport, m.cost, r) for r, (_, _, m) in enumerate(kept)]
+
+    def retrieve_batch(
+        self,
+        targets: Sequence[ObjectLike | PartGraph],
+        k: int = 5,
+        *,
+        only: Filter | None = None,
+        max_cost: float = np.inf,
+    ) -> list[list[Match]]:
+        """Return the k best matches of each target, in order, as `retrieve` does."""
+        return [self.retrieve(target, k, only=only, max_cost=max_cost) for target in targets]
 
     def explain(self, target: ObjectLike | PartGraph, *, only: Filter | None = None) -> Explanation:
         """Say why the best match for `target` is the best: terms of its cost, matched parts, the runner-up's lacks.

@@ -113,9 +113,10 @@ class DiskShelf:
     def __len__(self) -> int:
         return self.snapshot.manifest.objects
 
-    def rows(self, only: Filter | None) -> Iterator[tuple[Segment, Ints]]:
-        """Return the rows of every segment that a filter accepts."""
-        for segment in self.snapshot.segments:
+    def rows(self, only: Filter | None, numbers: range | None = None) -> Iterator[tuple[Segment, Ints]]:
+        """Return the rows of every segment, or of some, that a filter accepts."""
+        segments = self.snapshot.segments
+        for segment in segments if numbers is None else segments[numbers.start : numbers.stop]:
             rows = rows_of(segment)
             yield segment, rows if only is None else np.intersect1d(rows, only.rows(segment.graphs), assume_unique=True)
 
@@ -124,9 +125,11 @@ class DiskShelf:
         chosen = [rows + first for first, (_, rows) in zip(self.snapshot.starts, self.rows(only), strict=False)]
         return np.concatenate(chosen) if chosen else np.empty(0, np.int64)
 
-    def blocks(self, solver: UFGW, only: Filter | None, among: Ints | None) -> Iterator[Block]:
-        """Return the segments as they are mapped."""
-        for number, (segment, rows) in enumerate(self.rows(only)):
+    def blocks(
+        self, solver: UFGW, only: Filter | None, among: Ints | None, numbers: range | None = None
+    ) -> Iterator[Block]:
+        """Return the segments, or some, as they are mapped."""
+        for number, (segment, rows) in enumerate(self.rows(only, numbers), 0 if numbers is None else numbers.start):
             first, end = self.snapshot.starts[number : number + 2]
             chosen: Ints | None = rows
             if among is not None:
