@@ -20,11 +20,29 @@ from graft.cli import EXIT_OK, EXIT_SOME_FAILED
 from graft.cli.options import print_json, shown, stdout_console
 from graft.errors import InputError
 from graft.features import GeometricDescriptor
-from graft.library import BuildReport, LocalExecutor, build
+from graft.library import BuildReport, LocalExecutor, RayExecutor, build
 from graft.library.building import FAILURES, Progress
 
 PRINTED = 5
 """Failures and duplicates that are printed; all failures are in the file."""
+
+
+def chosen_executor(name: Literal["local", "ray"], address: str | None) -> RayExecutor | None:
+    """Return the cluster that flags ask for, connected; None for this machine.
+
+    Raises:
+        InputError: An address without ray, or no cluster there.
+    """
+    if name == "local":
+        if address is not None:
+            raise InputError(f"--address {address}: expected with --executor ray")
+        return None
+    executor = RayExecutor(address)
+    try:
+        executor.connect()
+    except ConnectionError as error:
+        raise InputError(f"--address {address}: no Ray cluster there: {error}") from None
+    return executor
 
 
 @dataclass(frozen=True)
@@ -40,7 +58,11 @@ class Build:
     out: Path
     """The library; made when there is none."""
     workers: int = os.cpu_count() or 1
-    """Processes."""
+    """Processes of this machine."""
+    executor: Literal["local", "ray"] = "local"
+    """local: processes of this machine. ray: the cores of a Ray cluster whose nodes see the folders and the library."""
+    address: str | None = None
+    """Of the Ray cluster's head; by default one is started on this machine."""
     shard: str = "1/1"
     """i/n: only every n-th folder from the i-th on; for job arrays, whose jobs may run at the same time."""
     samples: bool = True
@@ -62,7 +84,7 @@ class Build:
                 self.folders,
                 self.out,
                 descriptor=GeometricDescriptor() if self.descriptor == "geometric" else None,
-                executor=LocalExecutor(self.workers),
+                executor=chosen_executor(self.executor, self.address) or LocalExecutor(self.workers),
                 shard=(int(found[1]), int(found[2])),
                 samples=self.samples,
                 progress=progress,

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 from rich.table import Table
 
 from graft.cli import EXIT_OK
+from graft.cli.library_build import chosen_executor
 from graft.cli.options import (
     Loading,
     LoadingFlags,
@@ -136,6 +137,10 @@ class Explain:
     target: tyro.conf.Positional[Path]
     """The object to be grasped."""
     only: FilterFlags = Filter()
+    executor: Literal["local", "ray"] = "local"
+    """Where a library on disk is searched: ray spreads its segments over a Ray cluster whose nodes see them."""
+    address: str | None = None
+    """Of the Ray cluster's head; by default one is started on this machine."""
     json: bool = False
     """Print one JSON document and nothing else."""
     loading: LoadingFlags = Loading()
@@ -143,6 +148,7 @@ class Explain:
     def run(self) -> int:
         """Retrieve and print; returns the exit code."""
         library = Library.open(self.library)
+        library.executor = chosen_executor(self.executor, self.address)
         found = library.explain(self.loading.load(self.target), only=self.only)
         if self.json:
             runner_up = None if found.runner_up is None else match_document(found.runner_up)
