@@ -2,15 +2,17 @@
 
 import dataclasses
 import re
+import sys
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from graft import zoo
-from graft.errors import InputError
+from graft.errors import InputError, MissingExtraError
 from graft.features import GeometricDescriptor
 from graft.graph import build_graph
-from graft.library import Filter, Library, checkout, compact, vacuum, verify, versions
+from graft.library import Filter, Library, checkout, compact, export_table, vacuum, verify, versions
 from graft.marking import mark_contact
 from graft.objects import Joint, Part, PartObject
 from graft.transport import UFGW
@@ -208,3 +210,29 @@ def test_bad_requests_change_nothing(store, pairs):
         library.extend_graphs([odd], [graph])
     assert [m.version for m in versions(store)] == [1, 2, 3, 4, 5]
     assert verify(store).foreign == ()
+
+
+def test_exported_tables_hold_every_object(store, pairs, tmp_path, monkeypatch):
+    library = Library.open(store)
+    library.remove([pairs[0][0].name])
+    assert export_table(library.snapshot, tmp_path / "x" / "table.parquet", "parquet") == len(pairs) - 1
+    table = pq.read_table(tmp_path / "x" / "table.parquet")
+    assert table["name"].to_pylist() == [shown.name for shown, _ in pairs[1:]]
+    vertices = np.concatenate([part.vertices for part in pairs[1][0].object.parts])
+    np.testing.assert_array_equal(np.reshape(table["vertices"][0].as_py(), (-1, 3)), vertices)
+    np.testing.assert_array_equal(np.reshape(table["relations"][0].as_py(), (-1, 34)), pairs[1][1].relations)
+    with pytest.raises(InputError, match="it exists, nothing is written"):
+        export_table(library.snapshot, tmp_path / "x", "parquet")
+    monkeypatch.setitem(sys.modules, "lance", None)
+    with pytest.raises(MissingExtraError, match=r"graft-robotics\[lance\]"):
+        export_table(library.snapshot, tmp_path / "table.lance", "lance")
+    assert [p.name for p in (tmp_path / "x").iterdir()] == ["table.parquet"]
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_lance_reads_what_was_exported(store, pairs, tmp_path):
+    lance = pytest.importorskip("lance")
+    export_table(Library.open(store).snapshot, tmp_path / "table.lance", "lance")
+    table = lance.dataset(str(tmp_path / "table.lance")).to_table(columns=["name"])
+    assert table["name"].to_pylist() == [shown.name for shown, _ in pairs]
