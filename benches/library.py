@@ -14,6 +14,7 @@ import argparse
 import os
 import shutil
 import tempfile
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -47,6 +48,27 @@ def anonymous() -> float:
     """Return the process's memory beside mapped files, MB."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return next(int(line.split()[1]) for line in lines if line.startswith("RssAnon")) / 1024
+
+
+class Peak:
+    """The most memory beside mapped files that was seen while something ran, MB."""
+
+    def __init__(self) -> None:
+        self.most = 0.0
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._watch)
+
+    def _watch(self) -> None:
+        while not self._done.wait(0.002):
+            self.most = max(self.most, anonymous())
+
+    def __enter__(self) -> Peak:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._done.set()
+        self._thread.join()
 
 
 def drop_cache(path: Path) -> None:
@@ -152,14 +174,14 @@ def measure(graphs: int, dim: int, asked: int, scratch: Path) -> list[str]:
     drop_cache(path)
     base = anonymous()
     library = Library.open(path, descriptor=descriptor)
-    first = milliseconds(lambda: search(library, queries[0]))
+    with Peak() as peak:
+        first = milliseconds(lambda: search(library, queries[0]))
     checked = milliseconds(lambda: search(Library.open(path, descriptor=descriptor), queries[0]))
     exact, times = [], []
     for query in queries:
         start = time.perf_counter()
         exact.append(search(library, query))
         times.append(1e3 * (time.perf_counter() - start))
-    grown = anonymous() - base
     shelf = library._shelf
     assert isinstance(shelf, DiskShelf)
     read = [milliseconds(lambda found=found: [shelf.read(i) for _, i in found]) for found in exact]
@@ -168,7 +190,7 @@ def measure(graphs: int, dim: int, asked: int, scratch: Path) -> list[str]:
         describe(path, library),
         f"open {np.median(opened):.1f} ms; first query, cold {first:.0f} ms, in the page cache {checked:.0f} ms "
         f"(all checksums compared)",
-        f"exact, warm:             p50 {p50:8.1f} ms  p95 {p95:8.1f} ms  memory beside the page cache +{grown:.0f} MB",
+        f"exact, warm:             p50 {p50:8.1f} ms  p95 {p95:8.1f} ms  memory beside the page cache: at most +{peak.most - base:.0f} MB",
         f"reading the 10 matches:  p50 {np.median(read):8.1f} ms  (their samples are made again)",
     ]
     if graphs <= UNPRUNED:
@@ -215,7 +237,7 @@ def main() -> None:
     parser.add_argument("--scratch", type=Path, help="where libraries are written, 7 kB a graph")
     parser.add_argument("--save", type=Path)
     arguments = parser.parse_args()
-    lines = [f"top {K}, {arguments.queries} queries; {os.cpu_count()} cores"]
+    lines = [f"top {K}, {arguments.queries} queries; {os.cpu_count()} cores, {os.getloadavg()[0]:.0f} processes ran"]
     print(lines[0], flush=True)
     with tempfile.TemporaryDirectory(dir=arguments.scratch) as folder:
         scratch = Path(folder)
