@@ -2,7 +2,8 @@
 
     python benches/library.py [--graphs 10000 100000 1000000] [--objects DIR] [--save benches/results/DATE-library.txt]
 
-Queries are exact top 10 over a synthetic library (`synthetic.py`). Cold: the library's files are dropped from the
+Queries are exact top 10 over a synthetic library (`synthetic.py`). Memory is what the first query takes
+beside mapped files. Cold: the library's files are dropped from the
 page cache and it is opened anew; its checksums are compared on the way. The vector stores hold the descriptors of a
 graph's parts pooled by mass and return 100 candidates, which are re-ranked by UFGW: LanceDB by looking at all, FAISS
 from 100,000 graphs on by probing 20 of sqrt(n) lists.
@@ -190,7 +191,7 @@ def measure(graphs: int, dim: int, asked: int, scratch: Path) -> list[str]:
         describe(path, library),
         f"open {np.median(opened):.1f} ms; first query, cold {first:.0f} ms, in the page cache {checked:.0f} ms "
         f"(all checksums compared)",
-        f"exact, warm:             p50 {p50:8.1f} ms  p95 {p95:8.1f} ms  memory beside the page cache: at most +{peak.most - base:.0f} MB",
+        f"exact, warm:             p50 {p50:8.1f} ms  p95 {p95:8.1f} ms  memory +{peak.most - base:.0f} MB at most",
         f"reading the 10 matches:  p50 {np.median(read):8.1f} ms  (their samples are made again)",
     ]
     if graphs <= UNPRUNED:

@@ -34,7 +34,7 @@ SHARES = 8
 """Tasks for each worker, at least, so that none waits long for the last one."""
 
 COMMIT_SECONDS = 5.0
-"""Between two versions; what a stopped build loses."""
+"""Between two versions; what a killed build loses."""
 
 FAILURES = "failures.jsonl"
 
@@ -132,12 +132,14 @@ def build(
     ]
     record = _Record(path, FAILURES if of == 1 else f"failures-{number}-of-{of}.jsonl")
     done = len(sources) - len(left)
-    for answer in _answers(executor, tasks):
-        record.take(answer)
-        done += answer.folders
-        if progress is not None:
-            progress(done, len(sources), len(record.failures))
-    record.commit()
+    try:
+        for answer in _answers(executor, tasks):
+            record.take(answer)
+            done += answer.folders
+            if progress is not None:
+                progress(done, len(sources), len(record.failures))
+    finally:
+        record.commit()
     return BuildReport(
         len(sources),
         len(sources) - len(left),

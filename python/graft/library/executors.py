@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from multiprocessing import forkserver, resource_tracker
 from typing import Any, Protocol, TypeVar
 
 from graft.errors import InputError
@@ -80,7 +82,7 @@ class LocalExecutor:
                 except BrokenProcessPool:
                     pass
                 except BaseException:
-                    pool.shutdown(wait=False, cancel_futures=True)
+                    pool.shutdown(cancel_futures=True)
                     raise
             for task, future in running:
                 yield _finished(future) or _alone(work, task)
@@ -90,12 +92,21 @@ def _pool(workers: int) -> ProcessPoolExecutor:
     # A fork of a process with threads may hang; the server that is forked instead has none.
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["graft.library.building"])
-    return ProcessPoolExecutor(workers, context, _one_core)
+    # The server starts with interruptions held back, and so do the workers until they can end without a traceback.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    return ProcessPoolExecutor(workers, context, _begin)
 
 
-def _one_core() -> None:
-    """Keep the core's threads of several workers from crowding each other."""
+def _begin() -> None:
+    """Keep the core's threads of several workers from crowding each other; end without a word when interrupted."""
     os.environ["RAYON_NUM_THREADS"] = "1"
+    signal.signal(signal.SIGINT, lambda *_: os._exit(1))
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
 def _finished(future: Future[R]) -> Any:
