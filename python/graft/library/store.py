@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
@@ -57,17 +57,24 @@ class Snapshot:
         path: The library's folder.
         manifest: What the version says.
         damaged: Versions after it whose files are damaged.
+        before: Segments of another version, of which those that are in this one, too, stay mapped.
     """
 
     path: Path
     manifest: Manifest
     damaged: tuple[int, ...] = ()
+    before: tuple[Segment, ...] = field(default=(), repr=False)
 
     @cached_property
     def segments(self) -> tuple[Segment, ...]:
         """Its segments, mapped as they are needed."""
         folder, manifest = self.path / SEGMENTS, self.manifest
-        return tuple(Segment(folder, entry, manifest.descriptor, manifest.saliency) for entry in manifest.segments)
+        mapped = {segment.entry.id: segment for segment in self.before}
+        same = [mapped.get(entry.id) for entry in manifest.segments]
+        return tuple(
+            old if old and old.entry == entry else Segment(folder, entry, manifest.descriptor, manifest.saliency)
+            for entry, old in zip(manifest.segments, same, strict=True)
+        )
 
     @cached_property
     def starts(self) -> Ints:
@@ -151,6 +158,8 @@ def commit(path: Path, change: Callable[[Snapshot], Manifest], base: Snapshot | 
     for _ in range(ATTEMPTS):
         newest = version_numbers(path)[-1:]
         current = base if base is not None and newest == [base.manifest.version] else open_whole(path)
+        if base is not None and current is not base:
+            base = current = replace(current, before=base.segments)
         following = replace(
             change(current),
             version=max([current.manifest.version, *newest]) + 1,
@@ -165,7 +174,7 @@ def commit(path: Path, change: Callable[[Snapshot], Manifest], base: Snapshot | 
             _place(path, following)
         except FileExistsError:
             continue
-        return Snapshot(path, following)
+        return Snapshot(path, following, before=current.segments)
     raise LibraryChangedError(f"{path}: other writers changed the library {ATTEMPTS} times meanwhile, try again")
 
 
