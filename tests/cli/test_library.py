@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from graft import zoo
-from graft.cli import EXIT_BAD_INPUT, EXIT_OK, EXIT_SOME_FAILED, EXIT_USAGE, main
+from graft.cli import EXIT_BAD_INPUT, EXIT_FAILED, EXIT_OK, EXIT_USAGE, main
 from graft.io import load_demonstrations, save_demonstration, save_object
 
 VERBS = ("build", "add", "remove", "ls", "show", "explain", "verify", "versions", "checkout", "compact", "vacuum")
@@ -67,7 +67,7 @@ def test_some_failures_are_exit_code_1(root, lib, tmp_path, capsys):
     bad.mkdir(parents=True)
     (bad / "demonstration.json").write_text("{}")
     code, said = run(capsys, "build", tmp_path / "more", "--out", lib, "--workers", "1")
-    assert code == EXIT_SOME_FAILED
+    assert code == EXIT_FAILED
     assert f"failed {bad}/demonstration.json: schema: expected 1, got None\n" in said.out
     assert "0 objects added from 1 folders" in said.out
 

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from graft.cli import EXIT_OK, EXIT_SOME_FAILED
+from graft.cli import EXIT_FAILED, EXIT_OK
 from graft.cli.options import print_json, shown, stdout_console
 from graft.errors import InputError
 from graft.features import GeometricDescriptor
@@ -95,7 +95,7 @@ class Build:
             print_json(document)
         else:
             self._print(report)
-        return EXIT_SOME_FAILED if report.failures else EXIT_OK
+        return EXIT_FAILED if report.failures else EXIT_OK
 
     def _print(self, report: BuildReport) -> None:
         console = stdout_console()

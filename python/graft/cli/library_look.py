@@ -25,7 +25,7 @@ from graft.documents import contact_document, match_document
 from graft.errors import InputError
 from graft.library import Explanation, Filter, Library, Listed, listing
 from graft.objects import Demonstration
-from graft.viz import save_thumbnails
+from graft.viz.thumbnails import save_thumbnails
 
 LibraryPath = tyro.conf.Positional[Path]
 FilterFlags = Annotated[Filter, tyro.conf.OmitArgPrefixes]

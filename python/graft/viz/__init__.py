@@ -3,7 +3,6 @@
 from graft.viz.model import save_glb
 from graft.viz.page import save_object_scene, save_scene
 from graft.viz.sheet import save_sheet
-from graft.viz.thumbnails import save_thumbnails
 from graft.viz.views import save_views
 
-__all__ = ["save_glb", "save_object_scene", "save_scene", "save_sheet", "save_thumbnails", "save_views"]
+__all__ = ["save_glb", "save_object_scene", "save_scene", "save_sheet", "save_views"]
