@@ -78,12 +78,20 @@ def test_adding_filtering_removing_and_going_back(root, lib, capsys):
     assert (code, added["added"], added["objects"]) == (EXIT_OK, ["new"], before + 1)
     for flags in (("--tags", "a", "b"), ("--licence", "MIT"), ("--max-gripper-width", "0.03")):
         assert [row["name"] for row in document(capsys, "ls", lib, *flags)[1]["objects"]] == ["new"]
+    shown = next((root / "demos").iterdir())
+    assert added["duplicates"] == {}
+    shutil.copytree(shown, root / "copy", dirs_exist_ok=True)
+    words = json.loads((shown / "demonstration.json").read_text())
+    (root / "copy" / "demonstration.json").write_text(json.dumps({**words, "name": "copy"}))
+    code, said = run(capsys, "add", lib, root / "copy")
+    assert f"note copy is the same as {words['name']}\n" in said.out
+    run(capsys, "remove", lib, "copy")
     code, removed = document(capsys, "remove", lib, "new")
     assert removed["objects"] == before
     assert document(capsys, "compact", lib)[1]["objects"] == before
     _, found = document(capsys, "versions", lib)
     version = added["version"]
-    assert [v["operation"] for v in found["versions"]][-3:] == ["add 1", "remove 1", "compact"]
+    assert [v["operation"] for v in found["versions"]][-5:] == ["add 1", "add 1", "remove 1", "remove 1", "compact"]
     code, said = run(capsys, "checkout", lib, version)
     assert said.out == f"version {found['versions'][-1]['version'] + 1} is what version {version} was\n"
     assert document(capsys, "ls", lib)[1]["of"] == before + 1

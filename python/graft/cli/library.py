@@ -20,6 +20,7 @@ from graft.library import (
     checkout,
     compact,
     drop_damaged,
+    duplicates,
     export_table,
     vacuum,
     verify,
@@ -53,10 +54,13 @@ class Add:
         loaded = [load_demonstration(folder) for folder in self.demonstrations]
         make = Library.open if (self.library / "versions").is_dir() else Library.create
         library = make(self.library, descriptor=GeometricDescriptor())
+        twice = duplicates(library.snapshot, loaded)
         library.extend(loaded)
         names = [demonstration.name for demonstration in loaded]
-        document = {"version": library.version, "objects": len(library), "added": names}
-        return _say(self.json, document, f"version {library.version}: {len(names)} added, {len(library)} objects")
+        document = {"version": library.version, "objects": len(library), "added": names, "duplicates": twice}
+        notes = "".join(f"[yellow]note[/] {shown(a)} is the same as {shown(b)}\n" for a, b in twice.items())
+        sentence = f"{notes}version {library.version}: {len(names)} added, {len(library)} objects"
+        return _say(self.json, document, sentence)
 
 
 @dataclass(frozen=True)

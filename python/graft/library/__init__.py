@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from graft.library.adding import duplicates
 from graft.library.building import BuildReport, build
 from graft.library.cluster import RayExecutor
 from graft.library.compaction import compact, vacuum
@@ -37,6 +38,7 @@ __all__ = [
     "checkout",
     "compact",
     "drop_damaged",
+    "duplicates",
     "export_table",
     "listing",
     "match",

@@ -15,26 +15,21 @@ from graft.errors import InputError
 from graft.features import Descriptor, GeometricDescriptor
 from graft.graph import PartGraph, build_graph
 from graft.io import ObjectLike, as_object, load_demonstrations, save_demonstration
-from graft.library.encode import graphs_batch, make_row, object_batches, part_columns
+from graft.library.adding import add_graphs
 from graft.library.executors import Executor
 from graft.library.explain import Explanation, explanation
 from graft.library.filters import Filter
-from graft.library.manifest import SEGMENTS
-from graft.library.matching import Match
+from graft.library.matching import Match, best_matches
 from graft.library.search import Query, best
 from graft.library.shards import search
 from graft.library.shelves import DiskShelf, MemoryShelf, Shelf
-from graft.library.store import Snapshot, append, create_store, is_store, open_store, remove
-from graft.library.tables import write_segment
+from graft.library.store import Snapshot, create_store, is_store, open_store, remove
 from graft.objects import Demonstration, Ints
 from graft.transport import UFGW
 
 PRUNED = 256
 """Libraries in memory of at least so many demonstrations are ranked by bounds first; below that solving all of them
 takes a millisecond."""
-
-TOGETHER = 256
-"""Objects that are read and solved at a time where the cost has no bound."""
 
 
 class Library:
@@ -194,21 +189,7 @@ class Library:
             return
         if not demonstrations:
             return
-        names = [d.name for d in demonstrations]
-        twice = next((name for i, name in enumerate(names) if name in set(names[:i])), None)
-        if twice is not None:
-            raise InputError(f"library: it has a demonstration called {twice!r} already")
-        snapshot = shelf.snapshot
-        manifest = snapshot.manifest
-        for graph in graphs:
-            if graph.descriptor_name != manifest.descriptor:
-                raise InputError(
-                    f"descriptors: the library has {manifest.descriptor}, {graph.object.name} {graph.descriptor_name}"
-                )
-        rows = [make_row(d, g, samples=manifest.samples) for d, g in zip(demonstrations, graphs, strict=True)]
-        columns = part_columns(rows, manifest.saliency)
-        entry = write_segment(snapshot.path / SEGMENTS, columns, graphs_batch(rows), object_batches(rows))
-        shelf.snapshot = append(snapshot.path, [entry], columns.relations.shape[1], snapshot)
+        shelf.snapshot = add_graphs(shelf.snapshot, demonstrations, graphs)
 
     def remove(self, names: Iterable[str]) -> None:
         """Take demonstrations out, by their names: all of them, in one version, or none.
@@ -277,8 +258,8 @@ class Library:
         if where is not None:
             chosen = shelf.positions(only)
             among = np.array([i for i in chosen.tolist() if where(shelf.read(i)[0])], np.int64)
-        return [m for m in self._matches(graph, self._candidates(graph, k, only, among, max_cost), k)
-                if m.cost <= max_cost]  # fmt: skip
+        positions = self._candidates(graph, k, only, among, max_cost)
+        return [m for m in best_matches(shelf, self.solver, graph, positions, k) if m.cost <= max_cost]
 
     def _candidates(
         self, graph: PartGraph, k: int, only: Filter | None, among: Ints | None, max_cost: float
@@ -297,20 +278,6 @@ class Library:
         else:
             found = best(shelf.blocks(self.solver, only, among), query, k, bar=max_cost)
         return sorted(position for _, position in found)
-
-    def _matches(self, graph: PartGraph, positions: Sequence[int], k: int) -> list[Match]:
-        """Solve objects and return the best k; equal costs keep the library's order."""
-        kept: list[tuple[float, int, Match]] = []
-        for first in range(0, len(positions), TOGETHER):
-            chosen = positions[first : first + TOGETHER]
-            read = [self._shelf.read(i) for i in chosen]
-            transports = self.solver.batch([g for _, g in read], [d.contact.part for d, _ in read], graph)
-            kept += [
-                (t.cost, i, Match(d, g, graph, t, t.cost))
-                for (d, g), t, i in zip(read, transports, chosen, strict=True)
-            ]
-            kept = sorted(kept, key=lambda entry: entry[:2])[:k]
-        return [Match(m.demonstration, m.source, graph, m.transport, m.cost, r) for r, (_, _, m) in enumerate(kept)]
 
     def retrieve_batch(
         self,
