@@ -11,7 +11,7 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing import forkserver, resource_tracker
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from graft.errors import InputError
 
@@ -85,7 +85,8 @@ class LocalExecutor:
                     pool.shutdown(cancel_futures=True)
                     raise
             for task, future in running:
-                yield _finished(future) or _alone(work, task)
+                finished = future.done() and not future.cancelled() and future.exception() is None
+                yield future.result() if finished else _alone(work, task)
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:
@@ -107,12 +108,6 @@ def _begin() -> None:
     os.environ["RAYON_NUM_THREADS"] = "1"
     signal.signal(signal.SIGINT, lambda *_: os._exit(1))
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-
-
-def _finished(future: Future[R]) -> Any:
-    """Return the answer of a task that was done before its neighbour died, else None."""
-    done = future.done() and not future.cancelled() and future.exception() is None
-    return future.result() if done else None
 
 
 def _alone(work: Callable[[T], R], task: T) -> R | Lost:
