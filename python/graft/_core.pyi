@@ -245,6 +245,8 @@ def rank_graphs(
     doubt_weight: float,
     rival_weight: float,
     k: int,
+    bar: float,
+    among: NDArray[np.int64] | None,
     prune: bool,
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], int]: ...
 def feature_costs(

@@ -126,3 +126,34 @@ def test_bad_arguments_are_named():
     wrong = replace(target, structure=np.full((3, 3), np.nan))
     with pytest.raises(InputError, match=r"^target structure: expected finite numbers, got NaN"):
         packed.rank(wrong, 1)
+
+
+def test_only_graphs_that_are_asked_for_answer():
+    packed, target = random_library(6, 3000, 8, UFGW())
+    every = packed.rank_arrays(*target, 3000, prune=False)
+    rng = np.random.default_rng(0)
+    for count in (1, 7, 500, 3000):
+        among = np.sort(rng.choice(3000, count, replace=False))
+        found = packed.rank_arrays(*target, K, among=among)
+        expected = np.isin(every.indices, among)
+        np.testing.assert_array_equal(found.indices, every.indices[expected][:K])
+        np.testing.assert_array_equal(found.costs, every.costs[expected][:K])
+    assert len(packed.rank_arrays(*target, K, among=np.empty(0, np.int64)).indices) == 0
+
+
+def test_a_bar_leaves_out_what_costs_more_and_saves_solving():
+    packed, target = random_library(7, 3000, 8, UFGW())
+    every = packed.rank_arrays(*target, 3000, prune=False)
+    for rank in (0, 3, 40):
+        found = packed.rank_arrays(*target, K, bar=every.costs[rank])
+        np.testing.assert_array_equal(found.indices, every.indices[: min(K, rank + 1)])
+    nothing = packed.rank_arrays(*target, K, bar=every.costs[0] / 2)
+    assert len(nothing.indices) == 0
+    assert nothing.solved < packed.rank_arrays(*target, K).solved
+
+
+@pytest.mark.parametrize("among", [[1, 1], [2, 1], [-1, 2], [0, 12]])
+def test_graphs_that_are_none_are_refused(among):
+    packed, target = random_library(1, 12, 4, UFGW())
+    with pytest.raises(InputError, match=r"^among: expected rising numbers from 0 to 11, got others$"):
+        packed.rank_arrays(*target, 2, among=np.array(among))

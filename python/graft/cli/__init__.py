@@ -22,6 +22,7 @@ VERBS = {
     "grasp": ("GraspCommand", "Plan grasps of an object near a contact, on a part, or anywhere."),
     "simulate": ("Simulate", "Try grasps of an object in physics; pictures, films, JSON."),
     "export": ("Export", "Copy episodes between robomimic's HDF5 and LeRobot datasets."),
+    "library": ("LibraryCommand", "Keep demonstrations on disk: build, add, ls, show, verify, compact, export ..."),
     "evaluate": ("Evaluate", "Measure transferred contacts: affordance, ablation, diversity."),
 }
 """Verb -> (class in graft.cli.<verb>, one line of help)."""

@@ -58,6 +58,8 @@ class PackedGraphs:
         masses: (p,) source masses.
         solver: What matches cost; its `cost` must be "sharp".
         descriptor_name: Model and version of the descriptors.
+        hot: What bounds read: extents, unit descriptors with relations, masses as `side_by_side` lays them out;
+            made from the above when not given.
     """
 
     offsets: NDArray[np.int64]
@@ -69,13 +71,14 @@ class PackedGraphs:
     masses: Floats
     solver: UFGW
     descriptor_name: str | None = None
-    hot: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]] = field(init=False, repr=False)
+    hot: tuple[NDArray[np.float32], ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         if self.solver.cost != "sharp":
             raise InputError(f"cost: ranking packed graphs needs sharp, got {self.solver.cost}")
-        columns = ((self.extents,), (self.descriptors, self.relations), (self.masses[:, None],))
-        object.__setattr__(self, "hot", tuple(_side_by_side(*tables) for tables in columns))
+        if not self.hot:
+            columns = ((self.extents,), (self.descriptors, self.relations), (self.masses[:, None],))
+            object.__setattr__(self, "hot", tuple(side_by_side(*tables) for tables in columns))
 
     def __len__(self) -> int:
         return len(self.parts)
@@ -112,12 +115,22 @@ class PackedGraphs:
             graphs[0].descriptor_name,
         )
 
-    def rank(self, target: PartGraph, k: int, *, prune: bool = True) -> Ranked:
+    def rank(
+        self,
+        target: PartGraph,
+        k: int,
+        *,
+        bar: float = np.inf,
+        among: NDArray[np.int64] | None = None,
+        prune: bool = True,
+    ) -> Ranked:
         """Return the k graphs that cost least to match with `target`: what solving all of them would give.
 
         Args:
             target: The target's part graph, described like the library or not at all.
             k: How many; fewer come back when the library has fewer.
+            bar: Graphs that cost more are left out.
+            among: Only these graphs, rising indices.
             prune: False solves every graph.
 
         Raises:
@@ -137,6 +150,8 @@ class PackedGraphs:
             target.structure,
             target_prior(target),
             k,
+            bar=bar,
+            among=among,
             prune=prune,
         )
 
@@ -149,6 +164,8 @@ class PackedGraphs:
         prior: Floats,
         k: int,
         *,
+        bar: float = np.inf,
+        among: NDArray[np.int64] | None = None,
         prune: bool = True,
     ) -> Ranked:
         """Rank against a target given as arrays: (m, 3), (m, r), (m, d) or None, (m, m), (m,).
@@ -157,10 +174,11 @@ class PackedGraphs:
             InputError: An array has the wrong shape or is not finite, or a parameter is out of range.
         """
         solver = self.solver
+        extents_hot, features_hot, masses_hot = self.hot
         try:
             indices, costs, solved = _core.rank_graphs(
                 self.offsets, self.parts, self.extents, self.relations,
-                self.descriptors, self.structures, self.masses, *self.hot,
+                self.descriptors, self.structures, self.masses, extents_hot, features_hot, masses_hot,
                 np.ascontiguousarray(extents), np.ascontiguousarray(relations),
                 None if descriptors is None else np.ascontiguousarray(descriptors),
                 np.ascontiguousarray(structure), np.ascontiguousarray(prior),
@@ -168,14 +186,16 @@ class PackedGraphs:
                 entropy=solver.entropy, em_rate=solver.em_rate, tol=solver.tol, max_outer=solver.max_outer,
                 lambda_obb=solver.lambda_obb, lambda_global=solver.lambda_global,
                 lambda_relation=solver.lambda_relation, variant=solver.variant, part_weight=solver.part_weight,
-                doubt_weight=solver.doubt_weight, rival_weight=solver.rival_weight, k=k, prune=prune,
+                doubt_weight=solver.doubt_weight, rival_weight=solver.rival_weight, k=k,
+                bar=bar, among=among, prune=prune,
             )  # fmt: skip
         except ValueError as error:
             raise InputError(str(error)) from None
-        return Ranked(indices, costs, solved)
+        below = costs <= bar
+        return Ranked(indices[below], costs[below], solved)
 
 
-def _side_by_side(*tables: Floats | None) -> NDArray[np.float32]:
+def side_by_side(*tables: Floats | None) -> NDArray[np.float32]:
     """Return tables (p, w) next to each other in blocks of `LANES` parts: (blocks, all w, LANES), flat.
 
     Of two tables the first, if there, is descriptors, whose rows are made unit vectors.

@@ -1,6 +1,6 @@
 //! Border of retrieval.
 
-use graft_core::retrieve::{Library, Ranking, Target, rank};
+use graft_core::retrieve::{Library, Ranking, Target, Wanted, rank};
 use graft_core::transport::feature::{FeatureCost, Features, Variant};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -21,7 +21,7 @@ type Best<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>, usize);
 #[pyo3(signature = (offsets, parts, extents, relations, descriptors, structures, masses, hot_extents, hot_features,
     hot_masses, target_extents, target_relations, target_descriptors, target_structure, target_prior, *, alpha, tau_s,
     tau_t, eps, loss, entropy, em_rate, tol, max_outer, lambda_obb, lambda_global, lambda_relation, variant, part_weight,
-    doubt_weight, rival_weight, k, prune))]
+    doubt_weight, rival_weight, k, bar, among, prune))]
 #[allow(clippy::too_many_arguments)]
 pub fn rank_graphs<'py>(
     py: Python<'py>,
@@ -57,6 +57,8 @@ pub fn rank_graphs<'py>(
     doubt_weight: f64,
     rival_weight: f64,
     k: usize,
+    bar: f64,
+    among: Option<Words<'py>>,
     prune: bool,
 ) -> PyResult<Best<'py>> {
     let variant = choice("variant", variant, &[("graft", Variant::Graft), ("paper", Variant::Paper)])?;
@@ -88,7 +90,9 @@ pub fn rank_graphs<'py>(
         structure: finite("target structure", &target_structure)?,
         prior: finite("target prior", &target_prior)?,
     };
-    let ranked = py.detach(|| rank(&library, &target, &ranking, k, prune)).map_err(|error| to_py(&error))?;
+    let among = among.as_ref().map(|a| slice("among", a)).transpose()?;
+    let wanted = Wanted { k, bar, among, prune };
+    let ranked = py.detach(|| rank(&library, &target, &ranking, &wanted)).map_err(|error| to_py(&error))?;
     let (indices, costs): (Vec<i64>, Vec<f64>) =
         ranked.best.iter().map(|(index, cost)| (i64::try_from(*index).unwrap_or(i64::MAX), *cost)).unzip();
     Ok((indices.into_pyarray(py), costs.into_pyarray(py), ranked.solved))

@@ -65,6 +65,31 @@ pub struct Target<'a> {
     pub prior: &'a [f64],
 }
 
+/// Which graphs are wanted.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// How many, at most.
+    pub k: usize,
+    /// Graphs that cost more than this need not be found: a bar, or the k-th best cost of another part of the library.
+    pub bar: f64,
+    /// Only these graphs, rising; all when absent.
+    pub among: Option<&'a [i64]>,
+    /// Leave out graphs whose bounds rule them out; false solves every graph.
+    pub prune: bool,
+}
+
+impl Wanted<'_> {
+    fn candidates(&self, graphs: usize) -> Result<Vec<usize>, Error> {
+        let Some(among) = self.among else { return Ok((0..graphs).collect()) };
+        let rising = among.windows(2).all(|w| w[0] < w[1]);
+        let inside = among.first().is_none_or(|i| *i >= 0) && among.last().is_none_or(|i| (*i as usize) < graphs);
+        if !rising || !inside {
+            return Err(Error::value("among", format!("rising numbers from 0 to {}", graphs - 1), "others"));
+        }
+        Ok(among.iter().map(|i| *i as usize).collect())
+    }
+}
+
 /// The best graphs, best first, and how much work it was.
 #[derive(Debug, Clone)]
 pub struct Ranked {
@@ -132,12 +157,16 @@ impl Library<'_> {
     }
 }
 
-/// Rank the library's graphs by what it costs to match them with the target; return the `k` best.
+/// Rank the library's graphs by what it costs to match them with the target; return the `wanted.k` best.
+///
+/// Graphs above `wanted.bar` may be among the answers: whoever sets a bar drops them.
 ///
 /// # Errors
 /// Arrays whose lengths contradict each other, or a pair that is no problem (see [`Input::check`]).
-pub fn rank(library: &Library, target: &Target, ranking: &Ranking, k: usize, prune: bool) -> Result<Ranked, Error> {
+pub fn rank(library: &Library, target: &Target, ranking: &Ranking, wanted: &Wanted) -> Result<Ranked, Error> {
     let (used, own) = library.check(target)?;
+    let (k, prune) = (wanted.k, wanted.prune);
+    let mut order = wanted.candidates(library.len())?;
     ranking.options.check()?;
     // Checks the weights, once.
     ranking.feature.matrix(target.features, target.features)?;
@@ -152,7 +181,6 @@ pub fn rank(library: &Library, target: &Target, ranking: &Ranking, k: usize, pru
             Some(*at)
         }))
         .collect();
-    let mut order: Vec<usize> = (0..library.len()).collect();
     let by_bound = |a: &usize, b: &usize| bounds[*a].total_cmp(&bounds[*b]).then(a.cmp(b));
     let mut best: Vec<(usize, f64)> = Vec::new();
     let (mut done, mut solved) = (0, 0);
@@ -163,7 +191,7 @@ pub fn rank(library: &Library, target: &Target, ranking: &Ranking, k: usize, pru
         if count < waiting.len() {
             waiting.select_nth_unstable_by(count - 1, by_bound);
         }
-        let bar = if best.len() < k { f64::INFINITY } else { best[k - 1].1 };
+        let bar = if best.len() < k { wanted.bar } else { best[k - 1].1.min(wanted.bar) };
         let chosen: Vec<usize> = waiting[..count].iter().copied().filter(|i| bounds[*i] <= bar).collect();
         if chosen.is_empty() {
             break;
@@ -175,7 +203,7 @@ pub fn rank(library: &Library, target: &Target, ranking: &Ranking, k: usize, pru
         best.truncate(k);
         if best.len() == k && done == k + FIRST {
             // With the bar known most graphs are out at once, without being sorted.
-            let bar = best[k - 1].1;
+            let bar = best[k - 1].1.min(wanted.bar);
             let mut left: Vec<usize> = order[done..].iter().copied().filter(|i| bounds[*i] <= bar).collect();
             order.truncate(done);
             order.append(&mut left);

@@ -104,7 +104,7 @@ def test_a_large_library_is_pruned_and_answers_the_same(monkeypatch):
             library.add(replace(demonstration, name=f"{category}_{seed}"))
     target = zoo.make("kettle", 7)
     plain = library.retrieve(target, k=6)
-    monkeypatch.setattr("graft.library.PRUNED", 2)
+    monkeypatch.setattr("graft.library.library.PRUNED", 2)
     pruned = library.retrieve(target, k=6)
     assert [m.demonstration.name for m in pruned] == [m.demonstration.name for m in plain]
     assert [m.cost for m in pruned] == [m.cost for m in plain]
