@@ -37,6 +37,13 @@ const STILL_ON: f64 = 0.8;
 /// Metres, of numbers of the size of a room in double precision, many times over.
 const ROUNDING: f64 = 1e-9;
 
+/// So often the next best pairs are tried while there are few grasps: around a handle that lies close to its body most
+/// pairs near the contact are walls that no finger gets behind.
+const ROUNDS: usize = 8;
+
+/// Grasps wanted over this are enough to stop looking.
+const ENOUGH: usize = 4;
+
 /// Parameters of the sampler; lengths in metres, angles in radians.
 #[derive(Debug, Clone)]
 pub struct Settings {
@@ -139,9 +146,40 @@ pub fn sample_grasps(scene: &Scene<'_>, place: &Place, settings: &Settings) -> A
     }
     // A sheet pinched is a pair as aligned and as near as can be, and most of a sheet no hand can pinch.
     let (mut pinches, mut all): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, pair)| pair.width <= 0.0);
-    let kept_for_pinches = pinches.len().min(settings.pairs / PINCHES);
-    let mut chosen = best_pairs(&mut all, settings.pairs - kept_for_pinches);
-    chosen.extend(best_pairs(&mut pinches, settings.pairs - chosen.len()));
+    let mut grasps = Vec::new();
+    for round in 0..ROUNDS {
+        // The pairs of a round are those that a longer list has after the rounds before.
+        let upto = |all: &mut [(f64, Pair)], each: usize| {
+            let mut pairs = best_pairs(all, each * (round + 1));
+            pairs.split_off((each * round).min(pairs.len()))
+        };
+        let for_pinches = pinches.len().min(settings.pairs / PINCHES);
+        let mut chosen = upto(&mut all, settings.pairs - for_pinches);
+        chosen.extend(upto(&mut pinches, for_pinches));
+        if chosen.is_empty() {
+            break;
+        }
+        for outcome in closed(scene, settings, &chosen, is_on_part, &mut rejected) {
+            match outcome {
+                Ok(grasp) => grasps.push(grasp),
+                Err(reason) => rejected[reason as usize] += 1,
+            }
+        }
+        if grasps.len() >= settings.count.div_ceil(ENOUGH) {
+            break;
+        }
+    }
+    Answer { grasps: ranked(grasps, settings.nearness, settings.count), rejected }
+}
+
+/// Try all approaches to some pairs and close the pads of the best that arrive.
+fn closed(
+    scene: &Scene<'_>,
+    settings: &Settings,
+    chosen: &[Pair],
+    is_on_part: impl Fn(usize) -> bool + Sync,
+    rejected: &mut [u64; Reason::ALL.len()],
+) -> Vec<Result<Proposal, Reason>> {
     let tried: Vec<Tried> = chosen
         .par_iter()
         .map(|pair| try_pair(scene, settings, pair, pair.faces.iter().all(|&face| is_on_part(face))))
@@ -154,16 +192,7 @@ pub fn sample_grasps(scene: &Scene<'_>, place: &Place, settings: &Settings) -> A
         }
     }
     let candidates = ranked(candidates, CANDIDATE_NEARNESS, settings.count.saturating_mul(CANDIDATES_PER_GRASP));
-    let closed: Vec<Result<Proposal, Reason>> =
-        candidates.par_iter().with_min_len(4).map(|candidate| close(scene, settings, candidate)).collect();
-    let mut grasps = Vec::new();
-    for outcome in closed {
-        match outcome {
-            Ok(grasp) => grasps.push(grasp),
-            Err(reason) => rejected[reason as usize] += 1,
-        }
-    }
-    Answer { grasps: ranked(grasps, settings.nearness, settings.count), rejected }
+    candidates.par_iter().with_min_len(4).map(|candidate| close(scene, settings, candidate)).collect()
 }
 
 /// Sort by score, equal ones as they come, and thin.
