@@ -8,6 +8,7 @@ pub mod geometry;
 pub mod graph;
 pub mod render;
 pub mod retrieve;
+pub mod segment;
 pub mod transport;
 
 pub use error::Error;
