@@ -20,6 +20,8 @@ __all__ = [
     "part_relations",
     "rank_graphs",
     "render_scene",
+    "segment_cloud",
+    "segment_mesh",
     "ufgw_batch",
     "ufgw_pair",
 ]
@@ -276,3 +278,23 @@ def cast_rays(
     origins: NDArray[np.float64],
     directions: NDArray[np.float64],
 ) -> NDArray[np.float64]: ...
+
+# segment
+
+def segment_mesh(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    *,
+    parts: int | None,
+    hierarchy: bool,
+    seed: int,
+) -> tuple[NDArray[np.int64], int, tuple[float, float], tuple[int, int, int, int, int, int]]: ...
+def segment_cloud(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    neighbours: NDArray[np.int64],
+    *,
+    parts: int | None,
+    hierarchy: bool,
+    seed: int,
+) -> tuple[NDArray[np.int64], int, tuple[float, float], tuple[int, int, int, int, int, int]]: ...

@@ -9,6 +9,7 @@ mod geometry;
 mod graph;
 mod render;
 mod retrieve;
+mod segment;
 mod transport;
 
 /// The compiled core of graft.
@@ -25,6 +26,8 @@ mod _core {
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]
     use super::retrieve::rank_graphs;
+    #[pymodule_export]
+    use super::segment::{segment_cloud, segment_mesh};
     #[pymodule_export]
     use super::transport::{feature_costs, ufgw_batch, ufgw_pair};
     #[pymodule_export]

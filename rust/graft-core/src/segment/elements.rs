@@ -7,9 +7,6 @@ use super::Vec3;
 /// Corners closer than this share of the diagonal are one: single precision keeps no finer distance.
 const WELD: f64 = 1e-6;
 
-/// Neighbours of a cloud's point; fewer tear thin rims apart, more jump across gaps.
-const NEIGHBOURS: usize = 8;
-
 /// Two elements that touch.
 #[derive(Debug, Clone, Copy)]
 pub struct Edge {
@@ -112,7 +109,7 @@ impl Elements {
     /// Build the graph of a cloud: each point stands for a disc as large as its neighbours are far.
     #[must_use]
     pub fn of_cloud(points: &[Vec3], normals: Vec<Vec3>, neighbours: &[Vec<u32>]) -> Self {
-        let mut pairs = Vec::with_capacity(points.len() * NEIGHBOURS);
+        let mut pairs = Vec::new();
         let mut areas = Vec::with_capacity(points.len());
         for (i, near) in neighbours.iter().enumerate() {
             let far = near.iter().map(|&j| (points[i] - points[j as usize]).norm()).fold(0.0, f64::max);

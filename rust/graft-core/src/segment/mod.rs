@@ -19,7 +19,7 @@ pub use coarse::MOST_FACES;
 pub use elements::Repairs;
 
 use crate::Error;
-use crate::geometry::{OrientedBox, Vec3, minimal_box};
+use crate::geometry::{OrientedBox, Vec3, minimal_box, points_of};
 use borders::Borders;
 use elements::Elements;
 use measure::Patches;
@@ -66,11 +66,21 @@ pub struct Segmentation {
     pub repairs: Repairs,
 }
 
-/// Segment a mesh; `faces` index `vertices`.
+/// Segment a mesh: (v, 3) finite `vertices` and (f, 3) `faces`, row-major.
 ///
 /// # Errors
-/// Coordinates that all coincide, or a number of parts of zero.
-pub fn segment_mesh(vertices: &[Vec3], faces: &[[usize; 3]], levels: Levels, seed: u64) -> Result<Segmentation, Error> {
+/// No faces, faces that name vertices which do not exist, coordinates that all coincide, or no parts wanted.
+pub fn segment_mesh(vertices: &[f64], faces: &[i64], levels: Levels, seed: u64) -> Result<Segmentation, Error> {
+    let points = points_of(vertices);
+    let vertices = points.as_slice();
+    if let Some(wrong) = faces.iter().find(|&&v| v < 0 || v >= vertices.len() as i64) {
+        return Err(Error::value("faces", format!("indices below {}", vertices.len()), wrong));
+    }
+    let faces: Vec<[usize; 3]> = faces.chunks_exact(3).map(|f| [f[0], f[1], f[2]].map(|v| v as usize)).collect();
+    let faces = faces.as_slice();
+    if faces.is_empty() {
+        return Err(Error::shape("faces", "at least one", 0));
+    }
     let bounds = extent("vertices", vertices, levels)?;
     if faces.len() <= MOST_FACES {
         let mut repairs = Repairs::default();
@@ -91,19 +101,31 @@ pub fn segment_mesh(vertices: &[Vec3], faces: &[[usize; 3]], levels: Levels, see
     Ok(found)
 }
 
-/// Segment a cloud with unit normals and the indices of each point's neighbours.
+/// Segment a cloud: (p, 3) finite `points`, (p, 3) unit `normals` of either sign, (p, k) indices of `neighbours`.
 ///
 /// # Errors
-/// Coordinates that all coincide, or a number of parts of zero.
+/// Arrays of different lengths, indices of points that do not exist, points that all coincide, or no parts wanted.
 pub fn segment_cloud(
-    points: &[Vec3],
-    normals: Vec<Vec3>,
-    neighbours: &[Vec<u32>],
+    points: &[f64],
+    normals: &[f64],
+    neighbours: &[i64],
     levels: Levels,
     seed: u64,
 ) -> Result<Segmentation, Error> {
-    let bounds = extent("points", points, levels)?;
-    let elements = Elements::of_cloud(points, normals, neighbours);
+    let (points, normals) = (points_of(points), points_of(normals));
+    if normals.len() != points.len() {
+        return Err(Error::shape("normals", format!("{} rows", points.len()), normals.len()));
+    }
+    if let Some(wrong) = neighbours.iter().find(|&&p| p < 0 || p >= points.len() as i64) {
+        return Err(Error::value("neighbours", format!("indices below {}", points.len()), wrong));
+    }
+    let bounds = extent("points", &points, levels)?;
+    let width = neighbours.len() / points.len();
+    if width == 0 || width * points.len() != neighbours.len() {
+        return Err(Error::shape("neighbours", format!("{} rows of at least one", points.len()), neighbours.len()));
+    }
+    let near: Vec<Vec<u32>> = neighbours.chunks_exact(width).map(|row| row.iter().map(|&p| p as u32).collect()).collect();
+    let elements = Elements::of_cloud(&points, normals, &near);
     let spacing = elements.edges.iter().map(|e| e.distance).sum::<f64>() / elements.edges.len().max(1) as f64;
     Ok(segment(elements, &bounds, spacing, levels, seed, Repairs::default()))
 }
