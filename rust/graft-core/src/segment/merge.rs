@@ -1,6 +1,6 @@
 //! From patches to parts: join the two neighbours that people are least likely to tell apart, again and again.
 //!
-//! How likely people are to tell two regions apart is a logistic function of six measures, fitted to how people cut
+//! How likely people are to tell two regions apart is a logistic function of seven terms, fitted to how people cut
 //! the tuning half of 38 household objects (`benches/segmentation.py`). Regions that more than half of them would
 //! join are joined, which for independent pairs minimises the expected Rand-index error: the number of parts
 //! needs no choice of its own.
@@ -12,8 +12,9 @@ use super::Vec3;
 use super::elements::Elements;
 use super::measure::Patches;
 
-/// Weights of 1, invisibility, difference of thickness, seam's concavity, neck, size, seam's length.
-const WEIGHTS: [f64; 7] = [-0.51, 3.18, 1.91, 0.67, 0.87, 0.71, -0.68];
+/// Weights of 1, invisibility, difference of thickness, seam's concavity, neck, size, seam's length, and invisibility
+/// times concavity (a bend of a tube hides its ends from each other, but its seam is concave on one side only).
+const WEIGHTS: [f64; 8] = [-0.58, 4.66, 1.14, 0.54, 0.66, 0.60, -0.67, 1.10];
 
 /// Width of the strip beside a seam over which a neck is told, in diagonals.
 const STRIP: f64 = 0.05;
@@ -142,14 +143,17 @@ impl<'a> State<'a> {
         let length = border.seam.length.max(SHORTEST);
         let neck = [(first, &border.touching[0]), (second, &border.touching[1])]
             .map(|(region, touching)| (length / self.perimeter(region, touching)).ln());
+        let hidden = 1.0 - seen;
+        let concave = (border.seam.concave / border.seam.length.max(f64::MIN_POSITIVE)).clamp(-SHARPEST, SHARPEST);
         let measures = [
             1.0,
-            1.0 - seen,
+            hidden,
             (first.thickness - second.thickness).abs(),
-            (border.seam.concave / border.seam.length.max(f64::MIN_POSITIVE)).clamp(-SHARPEST, SHARPEST),
+            concave,
             neck[0].max(neck[1]),
             first.share.min(second.share).ln(),
             length.ln(),
+            hidden * concave,
         ];
         let own = WEIGHTS.iter().zip(measures).map(|(w, x)| w * x).sum::<f64>();
         let (g, h) = (self.groups[first.members[0]], self.groups[second.members[0]]);
@@ -242,9 +246,11 @@ fn distances(patches: &Patches, seams: &Seams) -> Vec<f64> {
 }
 
 /// A place reached at a cost; the nearest is the greatest, ties by the lower place.
-#[derive(Debug, PartialEq)]
-pub(super) struct Reach {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    /// What it costs to get there.
     pub cost: f64,
+    /// The place.
     pub place: usize,
 }
 

@@ -88,15 +88,22 @@ impl Voxels {
         self.cell(p).is_some_and(|c| self.state[c] == CAVITY)
     }
 
-    /// Turn normals that point into the solid, where the other side is out of it; returns how many.
+    /// Turn normals that point into the solid, where the other side is out of it; returns how many. Those of a cloud
+    /// of which that cannot be told follow their neighbours.
     pub fn turn_outward(&self, elements: &mut Elements) -> usize {
         let mut turned = 0;
+        let mut known = vec![false; elements.len()];
         for i in 0..elements.len() {
             let (center, off) = (elements.centers[i], elements.normals[i] * (PROBE * self.size));
-            if self.filled(&(center + off)) && !self.filled(&(center - off)) {
+            let (ahead, behind) = (self.filled(&(center + off)), self.filled(&(center - off)));
+            known[i] = ahead != behind;
+            if ahead && !behind {
                 elements.normals[i] = -elements.normals[i];
                 turned += 1;
             }
+        }
+        if elements.corners.is_empty() {
+            elements.align_normals(known);
         }
         turned
     }
