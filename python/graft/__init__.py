@@ -25,6 +25,8 @@ if TYPE_CHECKING:
         load_object,
         save_demonstration,
         save_object,
+        segment,
+        segment_hierarchy,
     )
     from graft.library import Library, Match, match
     from graft.marking import mark_contact
@@ -68,6 +70,8 @@ _HOMES = {
     "save_scene": "graft.viz",
     "save_sheet": "graft.viz",
     "save_views": "graft.viz",
+    "segment": "graft.io",
+    "segment_hierarchy": "graft.io",
     "transfer_contact": "graft.contact",
     "ufgw": "graft.transport",
     "ufgw_batch": "graft.transport",
@@ -110,6 +114,8 @@ __all__ = [
     "save_scene",
     "save_sheet",
     "save_views",
+    "segment",
+    "segment_hierarchy",
     "transfer_contact",
     "ufgw",
     "ufgw_batch",

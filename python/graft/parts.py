@@ -192,12 +192,14 @@ def with_labels(obj: PartObject, part: Part, labels: Ints, notes: tuple[str, ...
 
 def cut_object(obj: PartObject, *, n_parts: int | None = None, fuse: bool = False, seed: int = 0) -> PartObject:
     """Return `obj` with automatic parts; see `graft.segment`."""
-    if 1 < len(obj.parts) <= MOST_NAMED and not fuse:
+    if not fuse and (1 < len(obj.parts) <= MOST_NAMED or obj.joints):
         return replace(obj, notes=(*obj.notes, f"the {len(obj.parts)} parts it has are kept"))
     whole = fused(obj)
     cuts = cut_part(whole, n_parts=n_parts, seed=seed)
-    pieces = () if len(obj.parts) == 1 else (f"{len(obj.parts)} pieces fused before they were cut",)
-    return with_labels(obj, whole, cuts.labels, (*pieces, *cuts.notes))
+    told = [] if len(obj.parts) == 1 else [f"{len(obj.parts)} pieces fused before they were cut"]
+    if obj.graspable:
+        told.append("which of the new parts are graspable is not known")
+    return with_labels(obj, whole, cuts.labels, (*told, *cuts.notes))
 
 
 def cut_hierarchy(obj: PartObject, *, seed: int = 0) -> tuple[tuple[PartObject, ...], int]:

@@ -17,6 +17,7 @@ EXIT_OK, EXIT_USAGE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 3, 130
 VERBS = {
     "demo": ("Demo", "Transfer contacts from demonstrated objects to unseen ones; pictures, page, JSON."),
     "show": ("Show", "Read an object and print its parts; --out writes a picture, page or GLB."),
+    "segment": ("Segment", "Cut a fused mesh or point cloud into parts; --out writes a picture, page, GLB or PLY."),
     "match": ("MatchCommand", "Match one object against another and print the transport plan."),
     "transfer": ("TransferCommand", "Transfer a contact from a library of demonstrations to an object."),
     "evaluate": ("Evaluate", "Measure transferred contacts: affordance, ablation, diversity."),
