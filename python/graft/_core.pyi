@@ -5,19 +5,25 @@ from numpy.typing import NDArray
 
 __all__ = [
     "__version__",
+    "arm_poses",
+    "antipodal_grasps",
     "box_gaps",
     "cast_rays",
     "chamfer_distances",
+    "clear_arms",
     "convex_hull",
     "describe_parts",
     "descriptor_dim",
     "edge_lengths",
     "feature_costs",
+    "gripper_collisions",
     "oriented_box",
     "part_adjacency",
     "part_geometry",
     "part_hops",
     "part_relations",
+    "plan_arms",
+    "plan_hands",
     "rank_graphs",
     "render_scene",
     "segment_cloud",
@@ -298,3 +304,171 @@ def segment_cloud(
     hierarchy: bool,
     seed: int,
 ) -> tuple[NDArray[np.int64], int, tuple[float, float], tuple[int, int, int, int, int, int]]: ...
+
+# grasp
+
+def gripper_collisions(
+    *,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    points: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    centers: NDArray[np.float64],
+    half_extents: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+    fingers: int,
+    poses: NDArray[np.float64],
+    openings: NDArray[np.float64],
+    margin: float,
+    plane: tuple[float, ...] | None,
+    solid: bool,
+) -> NDArray[np.bool_]:
+    """Say which poses of a gripper touch an object or go below a plane.
+
+    Args:
+        vertices: (v, 3) of a mesh.
+        faces: (f, 3) vertex indices.
+        points: (p, 3) centres of balls.
+        radii: (p,) of the balls.
+        centers: (b, 3) of the gripper's boxes, palm first; those of the finger at +y in its own frame.
+        half_extents: (b, 3).
+        rotations: (b, 3, 3) axes in columns.
+        fingers: How many of the boxes, the last ones, are the finger's.
+        poses: (q, 4, 4) T_object_gripper.
+        openings: (q,) between the pads.
+        margin: By which boxes grow.
+        plane: Unit normal and offset of what lies below.
+        solid: Boxes wholly inside the mesh count too.
+
+    Returns:
+        (q,).
+    """
+
+# motion
+
+_World = tuple[
+    NDArray[np.float64],
+    NDArray[np.int64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    tuple[float, float, float, float] | None,
+]
+_Links = tuple[NDArray[np.float64] | NDArray[np.int64], ...]
+_Settings = tuple[float, float, float, int, float | None, int, int]
+
+def plan_hands(
+    *,
+    world: _World,
+    box_centers: NDArray[np.float64],
+    box_rotations: NDArray[np.float64],
+    box_half_extents: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    starts: NDArray[np.float64],
+    goals: NDArray[np.float64],
+    settings: _Settings,
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Plan for a hand made of boxes from each start to the goal of the same index, by RRT-Connect.
+
+    Args:
+        world: Vertices (v, 3), faces (f, 3), centres (p, 3) and radii (p,) of balls, and normal and offset of the
+            support.
+        box_centers: (b, 3) in the hand's frame.
+        box_rotations: (b, 3, 3) axes in columns.
+        box_half_extents: (b, 3).
+        bounds: (n, 2, 3) corners of where the hand's origin is sampled.
+        starts: (n, 4, 4).
+        goals: (n, 4, 4).
+        settings: Clearance, step, goal bias, iterations, seconds or None, shortcuts, seed.
+
+    Returns:
+        All waypoints (m, 4, 4); rows (n, 5): how it ended (0 found, 1 start blocked, 2 goal blocked, 3 out of
+        iterations, 4 out of time), waypoints, iterations, nodes, collision tests.
+    """
+
+def plan_arms(
+    *,
+    world: _World,
+    links: _Links,
+    movers: NDArray[np.int64],
+    pairs: NDArray[np.int64],
+    starts: NDArray[np.float64],
+    goals: NDArray[np.float64],
+    settings: _Settings,
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Plan for an arm from each start to the goal of the same index, by RRT-Connect.
+
+    Args:
+        world: As for `plan_hands`.
+        links: Parents (l,), rest poses (l, 4, 4), kinds (l,) 0 fixed 1 hinge 2 slide, axes (l, 3), anchors (l, 3),
+            limits (j, 2), links of the boxes (b,), their centres (b, 3), rotations (b, 3, 3), half extents (b, 3).
+        movers: Boxes that keep away from the world.
+        pairs: (p, 2) boxes that keep away from each other.
+        starts: (n, j).
+        goals: (n, j).
+        settings: As for `plan_hands`.
+
+    Returns:
+        All waypoints (m, j); rows as of `plan_hands`.
+    """
+
+def clear_arms(
+    *,
+    world: _World,
+    links: _Links,
+    movers: NDArray[np.int64],
+    pairs: NDArray[np.int64],
+    joints: NDArray[np.float64],
+    slack: float,
+) -> NDArray[np.bool_]:
+    """Return which joint values (n, j) keep `slack` metres from every contact: (n,)."""
+
+def arm_poses(links: _Links, joints: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return where the links are, (n, l, 4, 4), at joint values (n, j)."""
+def antipodal_grasps(
+    *,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    face_parts: NDArray[np.int64],
+    centers: NDArray[np.float64],
+    half_extents: NDArray[np.float64],
+    rotations: NDArray[np.float64],
+    fingers: int,
+    stroke: float,
+    contact: tuple[float, ...] | None,
+    approach: tuple[float, ...] | None,
+    radius: float,
+    part: int | None,
+    plane: tuple[float, ...] | None,
+    up: tuple[float, ...] | None,
+    weights: tuple[float, ...],
+    depths: NDArray[np.float64],
+    samples: int,
+    rays: int,
+    pairs: int,
+    approaches: int,
+    cone: float,
+    clearance: float,
+    margin: float,
+    travel: float,
+    spacing: float,
+    turn: float,
+    count: int,
+    seed: int,
+) -> tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    tuple[list[str], NDArray[np.float64]],
+    list[tuple[str, int]],
+]:
+    """Find antipodal grasps that a parallel gripper can reach, best first.
+
+    Boxes are those of `gripper_collisions`, parameters those of `graft.grasp.AntipodalPlanner`; `spacing` and `turn`
+    tell grasps apart, `weights` are in the order of the names that come back.
+
+    Returns:
+        Poses (n, 4, 4); widths (n,); scores (n,); contacts (n, 2, 3); distances (n,); names and values (n, t) of the
+        scores' terms; reasons with how many candidates fell for each.
+    """

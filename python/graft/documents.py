@@ -11,6 +11,7 @@ import numpy as np
 
 from graft.contact import TransferredContact
 from graft.graph import PartGraph
+from graft.grasp.grasps import GraspSet
 from graft.library import Match
 from graft.objects import Contact, PartObject
 
@@ -120,4 +121,28 @@ def transfer_document(transferred: TransferredContact) -> Document:
         "confidence": transferred.confidence,
         "share": transferred.share,
         "graspable": None if not target.graspable else transferred.target_part in target.graspable,
+    }
+
+
+def grasps_document(obj: PartObject, grasps: GraspSet, contact: Contact | None) -> Document:
+    """Describe grasps of an object and the contact that was asked for; lengths of grasps are in metres."""
+    return {
+        "object": obj.name,
+        "scale_to_metres": 1.0 if obj.scale_to_metres is None else obj.scale_to_metres,
+        "contact": None if contact is None else contact_document(obj, contact),
+        "gripper": grasps.gripper.name,
+        "metadata": dict(grasps.metadata),
+        "rejected": dict(grasps.rejected),
+        "grasps": [
+            {
+                "rank": i,
+                "score": grasp.score,
+                "width_metres": grasp.width,
+                "distance_metres": None if contact is None else grasp.distance,
+                "T_object_gripper": grasp.pose.tolist(),
+                "contacts_metres": grasp.contacts.tolist(),
+                "terms": {name: float(term[i]) for name, term in grasps.terms.items()},
+            }
+            for i, grasp in enumerate(grasps)
+        ],
     }

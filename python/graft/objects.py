@@ -33,6 +33,8 @@ class Part:
         normals: (v, 3) outward unit normals of a point cloud's points; None for meshes, whose faces tell.
         label: What kind of part it is ("handle"); several parts may share one. Defaults to the name.
         notes: What was dropped or repaired when the part was read.
+        sweeps: How the part is solid, where its maker knows: each an array (k, m) of vertex indices, k loops of m that a
+            solid is swept through, so that the hulls of neighbouring loops together fill the part. Empty when unknown.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Part:
     normals: Floats | None = None
     label: str = ""
     notes: tuple[str, ...] = ()
+    sweeps: tuple[Ints, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -60,6 +63,10 @@ class Part:
                 f"{where} face {row}: vertex index out of range, {self.faces[row].tolist()} of "
                 f"{len(self.vertices)} vertices"
             )
+        sweeps = tuple(checked_array(f"{where} sweep", sweep, (None, None), np.int64) for sweep in self.sweeps)
+        if any(s.size and not 0 <= s.min() <= s.max() < len(self.vertices) for s in sweeps):
+            raise InputError(f"{where} sweep: vertex index out of range, the part has {len(self.vertices)} vertices")
+        object.__setattr__(self, "sweeps", sweeps)
         object.__setattr__(self, "label", self.label or self.name)
         object.__setattr__(self, "notes", tuple(self.notes))
 

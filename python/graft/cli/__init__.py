@@ -1,7 +1,7 @@
 """The command line: one verb per stage, each a frozen dataclass that tyro turns into flags.
 
 A verb's module is imported only when the verb is called, so that `graft --help` stays fast.
-Exit codes: 0 ok, 2 usage, 3 bad input, 130 interrupted.
+Exit codes: 0 ok, 1 an object has no result (no grasp), 2 usage, 3 bad input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 import warnings
 from typing import TextIO
 
-EXIT_OK, EXIT_USAGE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 2, 3, 130
+EXIT_OK, EXIT_FAILED, EXIT_USAGE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 3, 130
 
 VERBS = {
     "demo": ("Demo", "Transfer contacts from demonstrated objects to unseen ones; pictures, page, JSON."),
@@ -20,6 +20,7 @@ VERBS = {
     "segment": ("Segment", "Cut a fused mesh or point cloud into parts; --out writes a picture, page, GLB or PLY."),
     "match": ("MatchCommand", "Match one object against another and print the transport plan."),
     "transfer": ("TransferCommand", "Transfer a contact from a library of demonstrations to an object."),
+    "grasp": ("GraspCommand", "Plan grasps of an object near a contact, on a part, or anywhere."),
     "evaluate": ("Evaluate", "Measure transferred contacts: affordance, ablation, diversity."),
 }
 """Verb -> (class in graft.cli.<verb>, one line of help)."""

@@ -38,18 +38,22 @@ class Loading:
     scale_to_metres: float | None = None
     """Metres per object unit, instead of what the file says (0.001 for millimetres)."""
 
-    def load(self, path: Path) -> PartObject:
-        """Read an object with these options."""
+    def packages(self) -> dict[str, Path]:
+        """Return the folders that files may be named in, by their names."""
         packages = {}
         for entry in self.package:
             name, equals, where = entry.partition("=")
             if not (name and equals and where):
                 raise InputError(f"--package: expected name=path, got {entry!r}")
             packages[name] = Path(where)
+        return packages
+
+    def load(self, path: Path) -> PartObject:
+        """Read an object with these options."""
         return load_object(
             path,
             parts=self.parts,
-            packages=packages,
+            packages=self.packages(),
             missing=self.missing,
             up=self.up,
             scale_to_metres=self.scale_to_metres,

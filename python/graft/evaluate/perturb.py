@@ -180,6 +180,6 @@ def _piece(obj: PartObject, elements: _Elements, old: int, rows: np.ndarray) -> 
     chosen = np.flatnonzero(rows[elements.drawn == old])
     if part.is_point_cloud:
         normals = None if part.normals is None else part.normals[chosen]
-        return replace(part, vertices=part.vertices[chosen], normals=normals)
+        return replace(part, vertices=part.vertices[chosen], normals=normals, sweeps=())
     used, faces = np.unique(part.faces[chosen], return_inverse=True)
-    return replace(part, vertices=part.vertices[used], faces=faces.reshape(-1, 3))
+    return replace(part, vertices=part.vertices[used], faces=faces.reshape(-1, 3), sweeps=())

@@ -126,10 +126,10 @@ def evaluate(
         if value < 1:
             raise InputError(f"{name}: expected at least 1, got {value}")
     keys = [query.key for query in benchmark.queries]
-    book = None if out is None else Book.open(out / ROWS, _header(benchmark, methods, k), Row.read)
+    book = None if out is None else Book.open(out / ROWS, described(benchmark, methods) | {"k": k}, Row.read)
     return answered(
         keys,
-        lambda: _fitted(benchmark, methods, k, workers, progress),
+        lambda: _Job(benchmark, tuple(methods), fit(benchmark, methods, workers=workers, progress=progress), k),
         book,
         workers=workers,
         what="transferring",
@@ -156,16 +156,17 @@ def build_graphs(
     return [tuple(built[i * size : (i + 1) * size]) for i in range(len(settings))]
 
 
-def _fitted(benchmark: Benchmark, methods: Sequence[Method], k: int, workers: int, progress: Progress) -> _Job:
+def fit(
+    benchmark: Benchmark, methods: Sequence[Method], *, workers: int = 1, progress: Progress = lambda *_: None
+) -> tuple[Predictor, ...]:
     """Build the part graphs that the methods read, each once, and fit the methods."""
     settings = list(dict.fromkeys(method.graphs for method in methods))
     graphs = dict(zip(settings, build_graphs(benchmark, settings, workers=workers, progress=progress), strict=True))
-    predictors = tuple(method.fit(benchmark, graphs[method.graphs]) for method in methods)
-    return _Job(benchmark, tuple(methods), predictors, k)
+    return tuple(method.fit(benchmark, graphs[method.graphs]) for method in methods)
 
 
-def _header(benchmark: Benchmark, methods: Sequence[Method], k: int) -> dict[str, Any]:
-    """Return what rows depend on."""
+def described(benchmark: Benchmark, methods: Sequence[Method]) -> dict[str, Any]:
+    """Return what the rows of any evaluation depend on."""
     return {
         "graft": graft.__version__,
         "code": code_fingerprint(),
@@ -173,7 +174,6 @@ def _header(benchmark: Benchmark, methods: Sequence[Method], k: int) -> dict[str
         "posing": asdict(benchmark.posing),
         "methods": [method.name for method in methods],
         "parameters": digest(repr(list(methods)).encode()),
-        "k": k,
         "queries": digest(json.dumps([[q.key, q.target, q.sources] for q in benchmark.queries]).encode()),
         "objects": digest(*(b"%s%s" % (s.key.encode(), s.truth.bounds.tobytes()) for s in benchmark.subjects)),
     }

@@ -76,6 +76,13 @@ class Support:
         if not np.isfinite(self.offset):
             raise InputError(f"support offset: expected a finite number, got {self.offset}")
 
+    @classmethod
+    def below(cls, obj: PartObject) -> Support | None:
+        """Return the plane that an object in metres stands on along its up axis; None where it has none."""
+        if obj.up is None:
+            return None
+        return cls(obj.up, min(float((part.vertices @ obj.up).min()) for part in obj.parts))
+
     def height(self, points: ArrayLike) -> Floats:
         """Return how far points (q, 3) lie above the plane (q,), metres."""
         heights: Floats = checked_array("points", points, (None, 3)) @ self.normal - self.offset

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -58,6 +59,34 @@ def load_mjcf(
     """
     path = existing_file(path)
     check_choice("parts", parts, tuple(PARTS_CHOICES))
+    scene = read_bodies(path, packages=packages)
+    try:
+        made, joints = parts_and_joints(scene.bodies, whole=PARTS_CHOICES[parts])
+    except InputError as error:
+        raise InputError(str(error), path=path) from None
+    strength = float(np.linalg.norm(scene.gravity))
+    return PartObject(
+        name=path.stem,
+        parts=made,
+        joints=joints,
+        up=0.0 - scene.gravity / strength if strength > 0 else np.array([0.0, 0.0, 1.0]),
+        scale_to_metres=1.0,
+        notes=tuple(scene.notes),
+        source=str(path),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A model's bodies in the world frame at qpos0, gravity (3,) in m/s^2, and what was noticed."""
+
+    bodies: list[Body]
+    gravity: Floats
+    notes: list[str]
+
+
+def read_bodies(path: Path, *, packages: Mapping[str, Path] | None = None) -> Scene:
+    """Read the bodies of an MJCF file with the geoms that `load_mjcf` keeps; see there."""
     check_model(path, tuple(Path(folder) for folder in (packages or {}).values()))
     try:
         import mujoco
@@ -69,21 +98,7 @@ def load_mjcf(
     data = mujoco.MjData(model)  # its qpos is qpos0
     mujoco.mj_kinematics(model, data)
     bodies = [_body(mujoco, model, data, body, geoms) for body, geoms in enumerate(_kept_geoms(mujoco, model, notes))]
-    try:
-        made, joints = parts_and_joints(bodies, whole=PARTS_CHOICES[parts])
-    except InputError as error:
-        raise InputError(str(error), path=path) from None
-    gravity = np.array(model.opt.gravity)
-    strength = float(np.linalg.norm(gravity))
-    return PartObject(
-        name=path.stem,
-        parts=made,
-        joints=joints,
-        up=0.0 - gravity / strength if strength > 0 else np.array([0.0, 0.0, 1.0]),
-        scale_to_metres=1.0,
-        notes=tuple(notes),
-        source=str(path),
-    )
+    return Scene(bodies, np.array(model.opt.gravity), notes)
 
 
 def _compiled(mujoco: Any, path: Path, notes: list[str]) -> Any:

@@ -13,14 +13,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from graft.errors import MissingExtraError
+from graft.grasp.metric import contact_in_metres, in_metres
 from graft.objects import Contact, Floats, PartObject
 from graft.viz.camera import contact_view, look_from
 from graft.viz.colors import Colors, part_colors
+from graft.viz.grippers import BEST, gripper_shapes, require_grasps, stick_shapes
 from graft.viz.shapes import Shape, diagonal, frame_along, object_shapes
 from graft.viz.transfers import colors_of
 
 if TYPE_CHECKING:
     from graft.contact.transfer import TransferredContact
+    from graft.grasp.grasps import GraspSet
 
 OBJECT_FACES = 50_000
 """No object is shown with more triangles: a browser draws that many smoothly, and more look no better."""
@@ -200,6 +203,23 @@ def place_alone(obj: PartObject) -> Placed:
     """Place one object without a contact at the origin."""
     colors = part_colors(len(obj.parts))
     return place_object(obj, colors, np.zeros(3), contact=None, name="object", title=obj.name)
+
+
+def place_grasps(obj: PartObject, grasps: GraspSet, contact: Contact | None) -> tuple[Placed, list[Shape]]:
+    """Place an object at the origin, with grasps in its frame and unit: the first as boxes, the others as sticks.
+
+    Raises:
+        InputError: There is no grasp, or the object has no size in metres.
+    """
+    require_grasps(grasps)
+    metric = in_metres(obj)
+    size = diagonal(metric)
+    on_it = None if contact is None else contact_in_metres(contact, obj)
+    colors = part_colors(len(obj.parts), None if contact is None else contact.part)
+    placed = place_object(metric, colors, np.zeros(3), contact=on_it, name="object", title=obj.name)
+    boxes = [replace(shape, name=BEST + shape.name) for shape in gripper_shapes(grasps[0])]
+    # The best grasp's stick would lie inside its boxes.
+    return placed, [shape.scaled(1.0 / size) for shape in boxes + stick_shapes(grasps, size)[1:]]
 
 
 def _links(plan: Floats, source: Placed, target: Placed) -> list[Link]:

@@ -1,4 +1,4 @@
-"""`save_glb`: the scene as a GLB file with named nodes."""
+"""`save_glb`, `save_grasp_glb`: scenes as GLB files with named nodes."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ import numpy as np
 import trimesh
 
 from graft.io.atomic import write_whole
-from graft.objects import Floats
+from graft.objects import Contact, Floats, PartObject
 from graft.viz.files import check_output
-from graft.viz.layout import Cell, Placed, lay_out
+from graft.viz.grippers import BEST, BOX_OPACITY
+from graft.viz.layout import Cell, Placed, lay_out, place_grasps
 from graft.viz.meshes import surface
 from graft.viz.shapes import Shape, contact_shapes, rod
 from graft.viz.transfers import as_sequence
 
 if TYPE_CHECKING:
     from graft.contact.transfer import TransferredContact
+    from graft.grasp.grasps import GraspSet
 
 LINK_RADIUS = 0.008
 """Radius of the strongest line, in diagonals of an object."""
@@ -47,6 +49,31 @@ def save_glb(path: str | Path, transfers: TransferredContact | Sequence[Transfer
         for placed in (cell.source, cell.target):
             _add_object(scene, placed)
         _add_links(scene, cell)
+    write_whole(path, bytes(scene.export(file_type="glb")))
+
+
+def save_grasp_glb(path: str | Path, obj: PartObject, grasps: GraspSet, contact: Contact | None = None) -> None:
+    """Write an object and grasps on it as one GLB file, in the layout and colours of `save_grasp_scene`.
+
+    Nodes are called object/<part>, object/marks/contact, object/grasps/best/<box> and object/grasps/grasp_<number>.
+
+    Args:
+        path: Ends in .glb.
+        obj: The object, in its own unit.
+        grasps: In metres, best first.
+        contact: Where the object was to be taken, object units.
+
+    Raises:
+        InputError: There is no grasp, the object has no size in metres, or the file cannot be written.
+        MissingExtraError: Large meshes have to be thinned, and fast-simplification is not installed.
+    """
+    path = check_output(path, ".glb")
+    placed, shapes = place_grasps(obj, grasps, contact)
+    scene = trimesh.Scene()
+    _add_object(scene, placed)
+    for shape in shapes:
+        opacity = BOX_OPACITY if shape.name.startswith(BEST) else 1.0
+        _add(scene, f"{placed.name}/grasps/{shape.name}", shape, placed.pose, opacity)
     write_whole(path, bytes(scene.export(file_type="glb")))
 
 

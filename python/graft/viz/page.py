@@ -1,4 +1,4 @@
-"""`save_scene`, `save_object_scene`: pages that open from a file, without a network."""
+"""`save_scene`, `save_object_scene`, `save_grasp_scene`: pages that open from a file, without a network."""
 
 from __future__ import annotations
 
@@ -13,16 +13,18 @@ import numpy as np
 
 from graft.errors import MissingExtraError
 from graft.io.atomic import write_whole
-from graft.objects import Floats, PartObject
+from graft.objects import Contact, Floats, PartObject
 from graft.viz.colors import CONTACT
 from graft.viz.files import check_output
-from graft.viz.layout import Cell, Placed, lay_out, place_alone
+from graft.viz.grippers import BEST, BOX_OPACITY
+from graft.viz.layout import Cell, Placed, lay_out, place_alone, place_grasps
 from graft.viz.meshes import quaternion, surface
 from graft.viz.shapes import ARROW_LENGTH, BALL_RADIUS
 from graft.viz.transfers import as_sequence
 
 if TYPE_CHECKING:
     from graft.contact.transfer import TransferredContact
+    from graft.grasp.grasps import GraspSet
 
 FIELD_OF_VIEW = np.radians(32.0)
 """Of the page's camera, vertically; narrow, so that objects at the rim are not stretched."""
@@ -83,6 +85,34 @@ def save_object_scene(path: str | Path, obj: PartObject) -> None:
         _add_object(server.scene, placed)
         beside = _add_names(server.scene, placed, obj)
         _frame(server, np.concatenate([_extent(placed), beside]))
+
+
+def save_grasp_scene(path: str | Path, obj: PartObject, grasps: GraspSet, contact: Contact | None = None) -> None:
+    """Write an object and grasps on it as one self-contained HTML page.
+
+    The first grasp has the gripper's boxes, closed on the object, the others are sticks, greener where the score is
+    higher; the contact has a red ball and its frame's axes.
+
+    Args:
+        path: Ends in .html.
+        obj: The object, in its own unit.
+        grasps: In metres, best first.
+        contact: Where the object was to be taken, object units.
+
+    Raises:
+        InputError: There is no grasp, the object has no size in metres, or the file cannot be written.
+        MissingExtraError: viser (or fast-simplification, for large meshes) is not installed.
+    """
+    path = check_output(path, ".html")
+    placed, shapes = place_grasps(obj, grasps, contact)
+    with _page(path, f"graft: grasps of {obj.name}") as server:
+        _add_object(server.scene, placed)
+        for shape in shapes:
+            opacity = BOX_OPACITY if shape.name.startswith(BEST) else 1.0
+            name = f"{placed.name}/grasps/{shape.name}"
+            server.scene.add_mesh_trimesh(name, surface(shape, opacity))
+        reach = np.concatenate([s.vertices for s in shapes]) @ placed.pose[:3, :3].T + placed.pose[:3, 3]
+        _frame(server, np.concatenate([_extent(placed), reach]))
 
 
 @contextlib.contextmanager

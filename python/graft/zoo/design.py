@@ -59,7 +59,9 @@ class Design:
         return PartObject(
             name=name,
             parts=tuple(
-                Part(key, mesh.vertices + self.drop, mesh.faces, label=self.labels.get(key, key))
+                Part(
+                    key, mesh.vertices + self.drop, mesh.faces, label=self.labels.get(key, key), sweeps=mesh.sweeps
+                )
                 for key, mesh in self.parts.items()
             ),
             category=category,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,29 +21,43 @@ TUBE_SEGMENTS = 20
 CAP_RINGS = 3
 """Rings between a flat end's edge and its middle, so that no face reaches across a large flat end."""
 
+SECTOR_SAGITTA = 0.0006
+"""How far, metres, the chord of a sector of a vessel's wall may cut into the cavity (what a hull of it adds) ..."""
+
+SECTOR_SAGITTA_SHARE = 0.008
+"""... or this share of the vessel's radius, if that is more: no more sectors on a bucket than on a cup."""
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A closed triangle mesh whose normals point outwards: vertices (v, 3), faces (f, 3)."""
+    """A closed triangle mesh whose normals point outwards.
+
+    Attributes:
+        vertices: (v, 3) metres.
+        faces: (f, 3).
+        sweeps: As in `graft.objects.Part`: (k, m) indices of the loops that solid pieces are swept through.
+    """
 
     vertices: Floats
     faces: Ints
+    sweeps: tuple[Ints, ...] = ()
 
     def moved(self, translation: ArrayLike = (0.0, 0.0, 0.0), rotation: Floats | None = None) -> Mesh:
         """Return the mesh turned by `rotation` (3, 3) and then shifted by `translation` (3,)."""
         turned = self.vertices if rotation is None else self.vertices @ rotation.T
-        return Mesh(turned + np.asarray(translation, float), self.faces)
+        return replace(self, vertices=turned + np.asarray(translation, float))
 
     def warped(self, displace: Callable[[Floats], Floats]) -> Mesh:
         """Return the mesh with its vertices (v, 3) replaced by `displace` of them, which must not mirror."""
-        return Mesh(displace(self.vertices), self.faces)
+        return replace(self, vertices=displace(self.vertices))
 
 
 def merged(*meshes: Mesh) -> Mesh:
     """Return several closed meshes as one."""
     starts = np.cumsum([0, *(len(m.vertices) for m in meshes)])
     faces = [m.faces + start for m, start in zip(meshes, starts[:-1], strict=True)]
-    return Mesh(np.vstack([m.vertices for m in meshes]), np.vstack(faces))
+    sweeps = [sweep + start for m, start in zip(meshes, starts[:-1], strict=True) for sweep in m.sweeps]
+    return Mesh(np.vstack([m.vertices for m in meshes]), np.vstack(faces), tuple(sweeps))
 
 
 def widened(vertices: Floats, scale: Floats) -> Floats:
@@ -73,8 +88,11 @@ def loft(rings: Floats, *, closed: bool = False) -> Mesh:
     """Return the surface through `rings` (k, m, 3), each a loop in the same sense.
 
     The ends are closed flat over `CAP_RINGS` rings, unless `closed` joins the last ring to the first.
-    The winding is turned outwards by the sign of the enclosed volume.
+    The winding is turned outwards by the sign of the enclosed volume. The one sweep goes through `rings` in order.
     """
+    start = 0 if closed else CAP_RINGS - 1
+    sweep = (start + np.arange(len(rings)))[:, None] * rings.shape[1] + np.arange(rings.shape[1])
+    sweep = np.vstack([sweep, sweep[:1]]) if closed else sweep
     if not closed:
         inward = np.linspace(1.0, 0.0, CAP_RINGS + 1)[1:-1, None, None]
         first, last = rings[0].mean(axis=0), rings[-1].mean(axis=0)
@@ -97,14 +115,14 @@ def loft(rings: Floats, *, closed: bool = False) -> Mesh:
         faces.append(np.stack([j, i, np.full(m, k * m)], -1))
         faces.append(np.stack([top + i, top + j, np.full(m, k * m + 1)], -1))
         vertices = np.vstack([vertices, rings[0].mean(axis=0), rings[-1].mean(axis=0)])
-    return _outward(vertices, np.vstack(faces))
+    return _outward(vertices, np.vstack(faces), sweep)
 
 
-def _outward(vertices: Floats, faces: Ints) -> Mesh:
+def _outward(vertices: Floats, faces: Ints, sweep: Ints) -> Mesh:
     """Return the mesh wound so that it encloses a positive volume."""
     a, b, c = (vertices[faces[:, i]] - vertices.mean(axis=0) for i in range(3))
     volume = float(np.einsum("ij,ij->", a, np.cross(b, c)))
-    return Mesh(vertices, faces if volume > 0 else faces[:, ::-1].copy())
+    return Mesh(vertices, faces if volume > 0 else faces[:, ::-1].copy(), (sweep,))
 
 
 def side(
@@ -165,7 +183,12 @@ def lathe(
     rings = np.empty((len(line), len(loop), 3))
     rings[:, :, :2] = line[:, :1, None] * loop
     rings[:, :, 2] = line[:, 1:]
-    return loft(rings, closed=closed)
+    solid = loft(rings, closed=closed)
+    if not closed:
+        return solid
+    # The rings of a ring lie around its hole: what is solid is swept through its sections, about z.
+    sections = np.arange(rings.shape[0] * rings.shape[1]).reshape(rings.shape[:2]).T
+    return replace(solid, sweeps=(np.vstack([sections, sections[:1]]),))
 
 
 def vessel(outline: Floats, wall: float, floor: float, *, section: Floats | None = None) -> Mesh:
@@ -183,7 +206,35 @@ def vessel(outline: Floats, wall: float, floor: float, *, section: Floats | None
     rim = np.stack([outline[-1, 0] - half + half * np.cos(lip), top + half * np.sin(lip)], axis=1)
     z = np.linspace(top, bottom, max(8, len(outline) - 8))
     inside = np.stack([np.interp(z, outline[:, 1], outline[:, 0]) - wall, z], axis=1)
-    return lathe(np.vstack([outline, rim, inside]), section=section)
+    solid = lathe(np.vstack([outline, rim, inside]), section=section)
+    return replace(solid, sweeps=_wall_sweeps(solid.sweeps[0], outline, len(rim), z))
+
+
+def _wall_sweeps(rows: Ints, outline: Floats, n_rim: int, z_inside: Floats) -> tuple[Ints, ...]:
+    """Return a vessel's sweeps: its floor, then its wall as sectors, each swept upwards.
+
+    Args:
+        rows: (n + r + i, m) the vessel's own rings: up the outline (n, 2), over the rim, down the inside.
+        outline: (n, 2) as (radius, z).
+        n_rim: Number of rings of the rim.
+        z_inside: (i,) heights of the inside's rings, downwards.
+    """
+    n, m = len(outline), rows.shape[1]
+    inside = np.arange(len(rows) - 1, n + n_rim - 1, -1)
+    outside = np.abs(outline[:, 1] - z_inside[::-1, None]).argmin(axis=1)
+    lip = np.arange(n, n + (n_rim + 1) // 2)
+    inner = np.concatenate([inside, (2 * n + n_rim - 1) - lip])
+    outer = np.concatenate([outside, lip])
+    share = max(SECTOR_SAGITTA_SHARE, SECTOR_SAGITTA / float(outline[:, 0].max()))
+    angle = 2 * np.arccos(max(0.0, 1 - share))
+    count = int(np.ceil(m / max(1, int(angle / (2 * np.pi / m) + 0.15))))
+    edges = np.linspace(0, m, count + 1).round().astype(int)
+    floor = np.vstack([rows[: outside[0] + 1], rows[inside[:1]]])
+    sectors = []
+    for a, b in itertools.pairwise(edges):
+        arc = np.arange(a, b + 1) % m
+        sectors.append(np.hstack([rows[outer][:, arc], rows[inner][:, arc[::-1]]]))
+    return (floor, *sectors)
 
 
 def ring(radius: float, z: float, width: float, height: float, *, section: Floats | None = None) -> Mesh:
@@ -256,7 +307,9 @@ def tube(
         ends[1] = np.stack([mouth, mouth - bore * tangent[-1]])
     start = [ends[0][::-1]] if dome else []
     stop = [ends[1]] if dome or bore else []
-    return loft(np.concatenate([*start, rings, *stop]))
+    solid = loft(np.concatenate([*start, rings, *stop]))
+    # A bore's rings lead back into the tube: pieces fill it.
+    return replace(solid, sweeps=(solid.sweeps[0][: len(solid.sweeps[0]) - 2],)) if bore else solid
 
 
 def slab(outline: Floats, thickness: float, edge: float, *, top: float | None = None) -> Mesh:

@@ -6,6 +6,8 @@ pub mod descriptor;
 pub mod error;
 pub mod geometry;
 pub mod graph;
+pub mod grasp;
+pub mod motion;
 pub mod render;
 pub mod retrieve;
 pub mod segment;

@@ -7,6 +7,8 @@ mod convert;
 mod descriptor;
 mod geometry;
 mod graph;
+mod grasp;
+mod motion;
 mod render;
 mod retrieve;
 mod segment;
@@ -22,6 +24,10 @@ mod _core {
 
     #[pymodule_export]
     use super::descriptor::{describe_parts, descriptor_dim};
+    #[pymodule_export]
+    use super::grasp::{antipodal_grasps, gripper_collisions};
+    #[pymodule_export]
+    use super::motion::{arm_poses, clear_arms, plan_arms, plan_hands};
     #[pymodule_export]
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]

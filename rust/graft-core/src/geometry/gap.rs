@@ -9,7 +9,7 @@ use super::obb::OrientedBox;
 /// and a point of the other box, or lies on two edges.
 #[must_use]
 pub fn box_gap(a: &OrientedBox, b: &OrientedBox) -> f64 {
-    if !separated(a, b) {
+    if boxes_overlap(a, b) {
         return 0.0;
     }
     let (corners_a, corners_b) = (corners(a), corners(b));
@@ -27,6 +27,12 @@ pub fn box_gap(a: &OrientedBox, b: &OrientedBox) -> f64 {
         }
     }
     nearest.sqrt()
+}
+
+/// Whether two boxes share a point.
+#[must_use]
+pub fn boxes_overlap(a: &OrientedBox, b: &OrientedBox) -> bool {
+    !separated(a, b)
 }
 
 /// Corner k lies on the positive side of axis i when bit i of k is set.

@@ -3,6 +3,7 @@
 pub mod affine;
 pub mod chamfer;
 pub mod corners;
+pub mod crossing;
 pub mod flush;
 pub mod frame;
 pub mod gap;
@@ -20,7 +21,7 @@ pub mod turn;
 
 pub use chamfer::chamfer;
 pub use frame::Frame;
-pub use gap::box_gap;
+pub use gap::{box_gap, boxes_overlap};
 pub use hull::{Hull, convex_hull};
 pub use obb::{OrientedBox, minimal_box};
 pub use part::{PartGeometry, PartShape, object_geometry};

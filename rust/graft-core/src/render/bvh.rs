@@ -5,6 +5,8 @@
 
 use nalgebra::Vector3;
 
+use crate::geometry::crossing::crossing;
+
 /// A leaf holds at most this many primitives; between 2 and 8 makes no difference that can be measured.
 const LEAF_SIZE: usize = 4;
 
@@ -199,26 +201,9 @@ fn split(bounds: &[Aabb], centers: &[Vector3<f64>], order: &mut [usize], offset:
     split(bounds, centers, right, offset + middle, nodes);
 }
 
-/// Distance and weights of a hit, from either side (Möller and Trumbore 1997).
+/// Distance and weights of a hit, from either side.
 fn hit_triangle(corners: &[Vector3<f64>; 3], ray: &Ray) -> Option<(f64, [f64; 2])> {
-    let (first, second) = (corners[1] - corners[0], corners[2] - corners[0]);
-    let p = ray.direction.cross(&second);
-    let determinant = first.dot(&p);
-    if determinant == 0.0 {
-        return None;
-    }
-    let from = ray.origin - corners[0];
-    let u = from.dot(&p) / determinant;
-    if !(0.0..=1.0).contains(&u) {
-        return None;
-    }
-    let q = from.cross(&first);
-    let v = ray.direction.dot(&q) / determinant;
-    if v < 0.0 || u + v > 1.0 {
-        return None;
-    }
-    let distance = second.dot(&q) / determinant;
-    (distance >= 0.0 && distance.is_finite()).then_some((distance, [u, v]))
+    crossing(corners, &ray.origin, &ray.direction).filter(|(distance, _)| *distance >= 0.0)
 }
 
 /// Distance of the first hit; from inside, of the exit.

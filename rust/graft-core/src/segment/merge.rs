@@ -25,6 +25,12 @@ const SHARPEST: f64 = 2.0;
 /// Lengths below this share of the diagonal are no longer told apart.
 const SHORTEST: f64 = 1e-4;
 
+/// A region of less than this share of the area is a crumb, no part: it is joined before anything else.
+const CRUMB: f64 = 0.004;
+
+/// Taken from the log-odds of crumbs.
+const SWEPT: f64 = 50.0;
+
 /// Added to the log-odds of different components that each carry meaning: joined after everything else.
 const APART: f64 = 100.0;
 
@@ -157,7 +163,9 @@ impl<'a> State<'a> {
         ];
         let own = WEIGHTS.iter().zip(measures).map(|(w, x)| w * x).sum::<f64>();
         let (g, h) = (self.groups[first.members[0]], self.groups[second.members[0]]);
-        own + if g != h && g != 0 && h != 0 { APART } else { 0.0 }
+        let meant = g != h && g != 0 && h != 0;
+        let crumb = first.share.min(second.share) < CRUMB;
+        own + if meant { APART } else { 0.0 } - if crumb { SWEPT } else { 0.0 }
     }
 
     /// How long the lines around a region beside a seam are: the area of a strip over its width.

@@ -1,0 +1,1 @@
+"""The evaluations of `graft evaluate`: one file each, and what they share."""
