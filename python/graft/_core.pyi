@@ -424,6 +424,7 @@ def clear_arms(
 
 def arm_poses(links: _Links, joints: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return where the links are, (n, l, 4, 4), at joint values (n, j)."""
+
 def antipodal_grasps(
     *,
     vertices: NDArray[np.float64],

@@ -26,7 +26,9 @@ def capped(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     rims = _rims(corners)
     middles = [points[rim].mean(axis=0) for rim in rims]
     sweeps = [_area(points[rim]) for rim in rims]
-    radii = [float(np.linalg.norm(points[rim] - middle, axis=1).mean()) for rim, middle in zip(rims, middles, strict=True)]
+    radii = [
+        float(np.linalg.norm(points[rim] - middle, axis=1).mean()) for rim, middle in zip(rims, middles, strict=True)
+    ]
     added, closing = [points], [corners]
     count = len(points)
     left = sorted(range(len(rims)), key=lambda i: (-radii[i], i))

@@ -26,9 +26,7 @@ KEPT_SCENES = 8
 class CompiledScene:
     """Model and state of a scene."""
 
-    def __init__(
-        self, body: Body, config: SimulationConfig, gripper: Gripper, looks: PartObject | None = None
-    ) -> None:
+    def __init__(self, body: Body, config: SimulationConfig, gripper: Gripper, looks: PartObject | None = None) -> None:
         self.mj = load_mujoco()
         self.model = scene_spec(body, config, gripper, looks).compile()
         self.data = self.mj.MjData(self.model)

@@ -150,4 +150,3 @@ def _run_coacd(vertices: Floats, faces: Ints, config: DecompositionConfig, what:
     if shown:
         print(f" {len(pieces)} in {time.perf_counter() - start:.1f} s", file=sys.stderr)  # noqa: T201
     return tuple(np.asarray(corners, np.float64) for corners, _ in pieces)
-

@@ -87,9 +87,7 @@ def find_resting_poses(body: Body, up: Floats, config: SimulationConfig, count: 
 
 def rotation_angle(rotation: Floats) -> float:
     """Return the angle of a rotation (3, 3), degrees; exact for small angles, too."""
-    skew = np.array(
-        [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]
-    )
+    skew = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
     return float(np.degrees(np.arctan2(np.linalg.norm(skew), np.trace(rotation) - 1.0)))
 
 

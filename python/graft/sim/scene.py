@@ -164,7 +164,9 @@ def _add_hand(spec: Any, gripper: Gripper, config: SimulationConfig, mj: Any) ->
         joint.solref_limit = STIFF
         joint.armature = FINGER_ARMATURE
         # MjSpec keeps polynomial damping as a vector in newer versions, as a number in older ones.
-        joint.damping = [FINGER_DAMPING, *([0.0] * (len(joint.damping) - 1))] if np.ndim(joint.damping) else FINGER_DAMPING
+        joint.damping = (
+            [FINGER_DAMPING, *([0.0] * (len(joint.damping) - 1))] if np.ndim(joint.damping) else FINGER_DAMPING
+        )
         for index, box in enumerate(gripper.finger):
             geom = _add_box(finger, box if sign > 0 else box.mirrored(), config, HAND_COLOR if index else PAD_COLOR, mj)
             geom.priority = 1
@@ -196,8 +198,6 @@ def _weigh(body: Any, mass: float) -> None:
 def _add_box(body: Any, box: Box, config: SimulationConfig, color: tuple[float, ...], mj: Any) -> Any:
     quaternion = np.empty(4)
     mj.mju_mat2Quat(quaternion, np.ascontiguousarray(box.rotation).ravel())
-    geom = body.add_geom(
-        type=mj.mjtGeom.mjGEOM_BOX, pos=box.center, size=box.half_extents, quat=quaternion, rgba=color
-    )
+    geom = body.add_geom(type=mj.mjtGeom.mjGEOM_BOX, pos=box.center, size=box.half_extents, quat=quaternion, rgba=color)
     _touch(geom, config, contype=HAND, conaffinity=PIECE, condim=config.condim)
     return geom

@@ -91,9 +91,7 @@ def run_trial(
     T_world_object = checked_array("pose", prepared.T_world_object if pose is None else pose, (4, 4))
     if not is_rotation(T_world_object[:3, :3]):
         raise InputError("pose: expected a rotation and a translation")
-    result = Trial(
-        Outcome.UNSTABLE, "", prepared.object.name, config, grasp=grasp, T_world_object=T_world_object
-    )
+    result = Trial(Outcome.UNSTABLE, "", prepared.object.name, config, grasp=grasp, T_world_object=T_world_object)
     if not prepared.pose.stable:
         return replace(result, reason="no stable resting pose was found", wall_seconds=time.perf_counter() - started)
     run = _Run(scene or compiled_scene(prepared.body, config, grasp.gripper), T_world_object, grasp, config, watch)

@@ -59,9 +59,7 @@ class Design:
         return PartObject(
             name=name,
             parts=tuple(
-                Part(
-                    key, mesh.vertices + self.drop, mesh.faces, label=self.labels.get(key, key), sweeps=mesh.sweeps
-                )
+                Part(key, mesh.vertices + self.drop, mesh.faces, label=self.labels.get(key, key), sweeps=mesh.sweeps)
                 for key, mesh in self.parts.items()
             ),
             category=category,
