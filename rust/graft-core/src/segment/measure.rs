@@ -149,8 +149,14 @@ fn visibility(
     samples: &[usize],
     held: &[f64],
 ) -> Vec<f64> {
-    let inner: Vec<Vec3> =
-        samples.iter().map(|&i| elements.centers[i] - elements.normals[i] * (INWARD * grid.size)).collect();
+    // Of a sheet there is no inside: its points look along it.
+    let inner: Vec<Vec3> = samples
+        .iter()
+        .map(|&i| {
+            let inward = elements.centers[i] - elements.normals[i] * (INWARD * grid.size);
+            if grid.filled(&inward) { inward } else { elements.centers[i] }
+        })
+        .collect();
     let mut visible = vec![0.0; count * count];
     for (a, &i) in samples.iter().enumerate() {
         let p = patch[i] as usize;
