@@ -51,7 +51,7 @@ def test_crowded_edges_are_counted(mesh) -> None:
 
 def test_components_that_carry_meaning_are_parts(mesh) -> None:
     vertices, faces, _ = voxel_mesh(dumbbell, cells=24)
-    apart = np.concatenate([vertices, vertices + [0.0, 3.0, 0.0]])
+    apart = np.concatenate([vertices, vertices + np.array([0.0, 3.0, 0.0])])
     both = np.concatenate([faces, faces + len(vertices)])
     labels = cut_part(Part("two", apart, both)).labels
     assert not set(labels[: len(faces)]) & set(labels[len(faces) :])

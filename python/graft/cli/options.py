@@ -32,7 +32,7 @@ class Loading:
     missing: Literal["error", "skip"] = "error"
     """What to do about mesh files that are missing: stop, or leave them out with one warning."""
     parts: Literal["auto", "segment", "bodies", "geoms", "links", "visuals"] = "auto"
-    """auto: as the file has them; segment: cut a mesh or cloud of one part. MJCF: bodies or geoms. URDF: links or visuals."""
+    """auto: as the file has them. segment: cut what is one part. MJCF: bodies or geoms. URDF: links or visuals."""
     up: tuple[float, float, float] | None = None
     """Direction against gravity in the object frame, instead of what the file says."""
     scale_to_metres: float | None = None

@@ -19,8 +19,8 @@ def overlaps(a: Ints, b: Ints, weights: Floats) -> Floats:
     """Return (n, m) the weight that each label of `a` shares with each label of `b`."""
     first, second = np.unique(a, return_inverse=True)[1], np.unique(b, return_inverse=True)[1]
     width = int(second.max()) + 1
-    table: Floats = np.bincount(first * width + second, weights, (int(first.max()) + 1) * width)
-    return table.reshape(-1, width)
+    table = np.bincount(first * width + second, weights, (int(first.max()) + 1) * width)
+    return np.asarray(table, np.float64).reshape(-1, width)
 
 
 def rand_index_error(a: Ints, b: Ints) -> float:
@@ -97,8 +97,9 @@ class Net:
     def cuts(self, labels: Ints) -> tuple[Ints, Floats]:
         """Return the vertices on the cuts and the length of cut that each stands for."""
         cut = labels[self.sides[:, 0]] != labels[self.sides[:, 1]]
-        weights = np.bincount(self.ends[cut].ravel(), np.repeat(self.lengths[cut] / 2.0, 2), self.graph.shape[0])
-        on = np.flatnonzero(weights)
+        halves = np.repeat(self.lengths[cut] / 2.0, 2)
+        weights = np.asarray(np.bincount(self.ends[cut].ravel(), halves, self.graph.shape[0]), np.float64)
+        on = np.asarray(np.flatnonzero(weights), np.int64)
         return on, weights[on]
 
     def distances(self, on: Ints) -> Floats:

@@ -45,8 +45,7 @@ pub fn segment_cloud<'py>(
 ) -> PyResult<Found<'py>> {
     let (points, normals) = (finite("points", &points)?, finite("normals", &normals)?);
     let neighbours = slice("neighbours", &neighbours)?;
-    let found =
-        py.detach(|| segment::segment_cloud(points, normals, neighbours, levels(parts, hierarchy), seed));
+    let found = py.detach(|| segment::segment_cloud(points, normals, neighbours, levels(parts, hierarchy), seed));
     crossed(py, found)
 }
 

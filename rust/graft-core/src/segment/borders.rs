@@ -93,8 +93,8 @@ impl Borders<'_> {
     }
 
     fn price(&self, i: usize, j: usize, length: f64, distance: f64) -> f64 {
-        let turn = concavity(self.elements, self.normals, i, j) * 0.01 * self.diagonal
-            / distance.max(f64::MIN_POSITIVE);
+        let turn =
+            concavity(self.elements, self.normals, i, j) * 0.01 * self.diagonal / distance.max(f64::MIN_POSITIVE);
         length / self.diagonal * (-turn / CREASE).exp()
     }
 

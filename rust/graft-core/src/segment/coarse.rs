@@ -71,7 +71,9 @@ fn clustered(vertices: &[Vec3], faces: &[[usize; 3]], low: &Vec3, cell: f64) -> 
             kept.len() as u32 - 1
         });
         stands_for[i] = n;
-        corners.iter().for_each(|&c| at_corner[c as usize] = n);
+        for c in corners {
+            at_corner[c as usize] = n;
+        }
     }
     // A face that fell into one or two cells goes where another face of its cells went.
     let mut last = 0;

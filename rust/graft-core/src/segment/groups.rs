@@ -36,7 +36,8 @@ pub fn groups(elements: &mut Elements, grid: &Voxels, repairs: &mut Repairs) -> 
             hidden[c] += elements.areas[i];
         }
     }
-    let mut meant: Vec<bool> = (0..count).map(|c| area[c] >= SMALLEST * total && hidden[c] <= HIDDEN * area[c]).collect();
+    let mut meant: Vec<bool> =
+        (0..count).map(|c| area[c] >= SMALLEST * total && hidden[c] <= HIDDEN * area[c]).collect();
     if meant.iter().filter(|&&m| m).count() > MOST {
         meant.fill(false);
     }

@@ -13,6 +13,8 @@ mod groups;
 mod measure;
 mod merge;
 mod patches;
+#[cfg(test)]
+mod tests;
 mod voxels;
 
 pub use coarse::MOST_FACES;
@@ -124,7 +126,8 @@ pub fn segment_cloud(
     if width == 0 || width * points.len() != neighbours.len() {
         return Err(Error::shape("neighbours", format!("{} rows of at least one", points.len()), neighbours.len()));
     }
-    let near: Vec<Vec<u32>> = neighbours.chunks_exact(width).map(|row| row.iter().map(|&p| p as u32).collect()).collect();
+    let near: Vec<Vec<u32>> =
+        neighbours.chunks_exact(width).map(|row| row.iter().map(|&p| p as u32).collect()).collect();
     let elements = Elements::of_cloud(&points, normals, &near);
     let spacing = elements.edges.iter().map(|e| e.distance).sum::<f64>() / elements.edges.len().max(1) as f64;
     Ok(segment(elements, &bounds, spacing, levels, seed, Repairs::default()))
@@ -183,7 +186,8 @@ fn segment(
     let labels: Vec<u32> = patch.iter().map(|&p| region[p as usize]).collect();
     let (numbered, parts) = by_area(&labels, &elements.areas);
     let finest = borders.refined(&numbered, parts);
-    let cut = |parts: usize| by_area(&coarser(&finest, &numbered, &patch, &regions(&joins, count, parts)), &elements.areas).0;
+    let cut =
+        |parts: usize| by_area(&coarser(&finest, &numbered, &patch, &regions(&joins, count, parts)), &elements.areas).0;
     let made = match levels {
         Levels::All => (coarsest..=wanted).map(cut).collect(),
         _ => vec![cut(wanted)],

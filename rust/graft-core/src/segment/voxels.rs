@@ -217,7 +217,7 @@ impl Voxels {
             at += step;
             // The wall's own voxels may be missed by half a voxel at the start.
             if !self.filled(&at) && steps >= 2 {
-                return steps as f64 * 0.5 * self.size;
+                return f64::from(steps) * 0.5 * self.size;
             }
             steps += 1;
         }
