@@ -31,7 +31,7 @@ def start_mesh(path: str | None) -> tuple[Floats, Ints]:
         return part.vertices, part.faces
     profile = [(0.001, -1.0), (0.35, -0.9), (0.4, -0.7), (0.35, -0.5), (0.1, -0.4)]
     line = np.array(profile + [(r, -z) for r, z in reversed(profile)])
-    mesh = trimesh.creation.revolve(line, sections=48)
+    mesh = trimesh.creation.revolve(line, sections=72)
     return np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int64)
 
 
