@@ -7,13 +7,16 @@ and what was repaired is told in notes.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from graft import _core
 from graft.errors import InputError
 from graft.objects import Floats, Ints, Part, PartObject
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 MOST_NAMED = 32
 """An object of more parts than this is a soup whose pieces carry no meaning: they are fused before it is cut."""
@@ -112,6 +115,8 @@ def _notes(repairs: tuple[int, int, int, int, int, int], count: int, labels: Int
 
 def _cut_cloud(part: Part, n_parts: int | None, hierarchy: bool, seed: int) -> Cuts:
     """Cut a cloud on points spread evenly over it."""
+    from scipy.spatial import cKDTree
+
     chosen = _spread(part.vertices, MOST_POINTS)
     points = np.ascontiguousarray(part.vertices[chosen])
     tree = cKDTree(points)
