@@ -37,6 +37,8 @@ if TYPE_CHECKING:
         load_object,
         save_demonstration,
         save_object,
+        segment,
+        segment_hierarchy,
     )
     from graft.library import Library, Match, match
     from graft.marking import mark_contact
@@ -118,6 +120,8 @@ _HOMES = {
     "save_views": "graft.viz",
     "simulate_grasp": "graft.sim",
     "simulate_grasps": "graft.sim",
+    "segment": "graft.io",
+    "segment_hierarchy": "graft.io",
     "transfer_contact": "graft.contact",
     "ufgw": "graft.transport",
     "ufgw_batch": "graft.transport",
@@ -186,6 +190,8 @@ __all__ = [
     "save_views",
     "simulate_grasp",
     "simulate_grasps",
+    "segment",
+    "segment_hierarchy",
     "transfer_contact",
     "ufgw",
     "ufgw_batch",

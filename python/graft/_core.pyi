@@ -26,6 +26,8 @@ __all__ = [
     "plan_hands",
     "rank_graphs",
     "render_scene",
+    "segment_cloud",
+    "segment_mesh",
     "ufgw_batch",
     "ufgw_pair",
 ]
@@ -285,6 +287,26 @@ def cast_rays(
     directions: NDArray[np.float64],
 ) -> NDArray[np.float64]: ...
 
+# segment
+
+def segment_mesh(
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    *,
+    parts: int | None,
+    hierarchy: bool,
+    seed: int,
+) -> tuple[NDArray[np.int64], int, tuple[float, float], tuple[int, int, int, int, int, int]]: ...
+def segment_cloud(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    neighbours: NDArray[np.int64],
+    *,
+    parts: int | None,
+    hierarchy: bool,
+    seed: int,
+) -> tuple[NDArray[np.int64], int, tuple[float, float], tuple[int, int, int, int, int, int]]: ...
+
 # grasp
 
 def gripper_collisions(
@@ -404,6 +426,7 @@ def clear_arms(
 
 def arm_poses(links: _Links, joints: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return where the links are, (n, l, 4, 4), at joint values (n, j)."""
+
 def antipodal_grasps(
     *,
     vertices: NDArray[np.float64],

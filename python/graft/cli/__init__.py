@@ -17,6 +17,7 @@ EXIT_OK, EXIT_FAILED, EXIT_USAGE, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 3,
 VERBS = {
     "demo": ("Demo", "Transfer contacts from demonstrated objects to unseen ones; pictures, page, JSON."),
     "show": ("Show", "Read an object and print its parts; --out writes a picture, page or GLB."),
+    "segment": ("Segment", "Cut a fused mesh or point cloud into parts; --out writes a picture, page, GLB or PLY."),
     "match": ("MatchCommand", "Match one object against another and print the transport plan."),
     "transfer": ("TransferCommand", "Transfer a contact from a library of demonstrations to an object."),
     "grasp": ("GraspCommand", "Plan grasps of an object near a contact, on a part, or anywhere."),

@@ -8,6 +8,7 @@ from typing import Annotated
 import tyro
 
 from graft.cli.evaluation.contacts import Ablation, Affordance, Varied
+from graft.cli.evaluation.segmentation import Segmentation
 from graft.cli.evaluation.simulation import Simulation
 
 
@@ -19,6 +20,7 @@ class Evaluate:
         Annotated[Affordance, tyro.conf.subcommand("affordance")]
         | Annotated[Ablation, tyro.conf.subcommand("ablation")]
         | Annotated[Varied, tyro.conf.subcommand("diversity")]
+        | Annotated[Segmentation, tyro.conf.subcommand("segmentation")]
         | Annotated[Simulation, tyro.conf.subcommand("simulation")]
     ]
 

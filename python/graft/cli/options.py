@@ -31,8 +31,8 @@ class Loading:
     """name=path of a ROS package that package:// refers to; may be repeated."""
     missing: Literal["error", "skip"] = "error"
     """What to do about mesh files that are missing: stop, or leave them out with one warning."""
-    parts: Literal["auto", "bodies", "geoms", "links", "visuals"] = "auto"
-    """MJCF: bodies or geoms as parts. URDF: links or visuals as parts."""
+    parts: Literal["auto", "segment", "bodies", "geoms", "links", "visuals"] = "auto"
+    """auto: as the file has them. segment: cut what is one part. MJCF: bodies or geoms. URDF: links or visuals."""
     up: tuple[float, float, float] | None = None
     """Direction against gravity in the object frame, instead of what the file says."""
     scale_to_metres: float | None = None

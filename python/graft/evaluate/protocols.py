@@ -20,6 +20,7 @@ import numpy as np
 
 from graft import zoo
 from graft.errors import InputError
+from graft.evaluate.automatic import automatic_parts
 from graft.evaluate.perturb import perturb_parts
 from graft.graph import build_graph
 from graft.io import load_object
@@ -28,6 +29,7 @@ from graft.objects import Demonstration, Floats, PartObject
 
 ProtocolName = Literal["paper", "leave-category-out", "within-category", "one-source"]
 Half = Literal["both", "tuning", "reporting"]
+WhoseParts = Literal["drawn", "auto-target", "auto-both"]
 PROTOCOLS: tuple[ProtocolName, ...] = ("paper", "leave-category-out", "within-category", "one-source")
 
 SCALES = (0.5, 2.0)
@@ -43,12 +45,14 @@ class Posing:
         turn: Rotate and scale every object at random; its up axis and its metres go along.
         up: Keep what is known of the up axis; False drops it.
         perturb: Give every object's parts a defect (`graft.evaluate.perturb`).
+        parts: Whose parts methods see: as drawn, or cut by `graft.segment`, of targets only or of all objects.
     """
 
     seed: int = 0
     turn: bool = True
     up: bool = True
     perturb: bool = False
+    parts: WhoseParts = "drawn"
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,15 +147,17 @@ def random_similarity(rng: np.random.Generator, scales: tuple[float, float] = SC
 
 
 def pose(
-    key: str, obj: PartObject, posing: Posing, shown: Sequence[Demonstration] = ()
+    key: str, obj: PartObject, posing: Posing, shown: Sequence[Demonstration] = (), *, target: bool = False
 ) -> tuple[Subject, list[Demonstration]]:
-    """Put an object, and the contacts demonstrated on it, as `posing` says."""
+    """Put an object, and the contacts demonstrated on it, as `posing` says; `target`: it is only asked about."""
     rng = stream(posing.seed, key)
     transform = random_similarity(rng) if posing.turn else np.eye(4)
     truth = replace(obj.transformed(transform), name=key)
     truth = truth if posing.up else replace(truth, up=None)
     diagonal = build_graph(truth, descriptor=None).diagonal
-    seen, defect = perturb_parts(truth, diagonal, rng) if posing.perturb else (truth, None)
+    cut = posing.parts == "auto-both" or (target and posing.parts == "auto-target")
+    seen = automatic_parts(truth) if cut else truth
+    seen, defect = perturb_parts(seen, diagonal, rng) if posing.perturb else (seen, None)
     moved = []
     for demonstration in shown:
         contact = demonstration.contact.transformed(transform)
@@ -204,7 +210,7 @@ def paper(posing: Posing, *, variants: int = 12, demonstrations: int = 1, limit:
         for shown in [zoo.demonstration(category, first + n)]
     ]
     names = [(category, n) for n in range(variants) for category in zoo.unseen()][:limit]
-    targets = [pose(f"{c}_{first + n}", zoo.make(c, first + n), posing) for c, n in sorted(names)]
+    targets = [pose(f"{c}_{first + n}", zoo.make(c, first + n), posing, target=True) for c, n in sorted(names)]
     sources = _sources(posed)
     everything = tuple(range(len(sources)))
     return Benchmark(
@@ -251,6 +257,12 @@ def from_objects(
         raise InputError(f"source: no object called {source!r}; the objects are {', '.join(names)}")
     posed = [pose(obj.name, obj, posing, middles(obj)) for obj in objects]
     subjects, sources = tuple(subject for subject, _ in posed), _sources(posed)
+    asked = range(len(objects))
+    if posing.parts == "auto-target":
+        # Every object twice: with its own parts as a source, with automatic ones as a target.
+        again = [pose(obj.name, obj, posing, target=True)[0] for obj in objects]
+        asked = range(len(objects), 2 * len(objects))
+        subjects += tuple(replace(subject, key=f"{subject.key}, automatic parts") for subject in again)
     kinds = [subject.truth.category or subject.key for subject in subjects]
     chosen = _spread(_half(kinds, names, half), limit)
 
@@ -260,14 +272,15 @@ def from_objects(
     if protocol == "one-source":
         heads = {names.index(source)} if source else {kinds.index(kind) for kind in kinds}
         queries = [
-            Query(f"{names[target]}<{sources[i].demonstration.name}", target, (i,))
+            Query(f"{names[target]}<{sources[i].demonstration.name}", asked[target], (i,))
             for target in chosen
             for i in among(target, lambda subject: subject in heads)
         ]
     elif protocol in ("leave-category-out", "within-category"):
         wanted = protocol == "within-category"
         queries = [
-            Query(names[target], target, among(target, partial(_same_kind, kinds, wanted, target))) for target in chosen
+            Query(names[target], asked[target], among(target, partial(_same_kind, kinds, wanted, target)))
+            for target in chosen
         ]
     else:
         raise InputError(f"protocol: expected one of {', '.join(PROTOCOLS[1:])}, got {protocol!r}")

@@ -18,6 +18,7 @@ from graft.io.folder import load_folder
 from graft.io.pieces import RawMesh, check_range, cleaned
 from graft.io.splitting import split_by_labels
 from graft.objects import Part, PartObject, unique_names
+from graft.parts import cut_object
 
 if TYPE_CHECKING:
     import trimesh
@@ -27,7 +28,7 @@ ObjectLike: TypeAlias = Union[PathLike, PartObject, "trimesh.Trimesh", "trimesh.
 """What names an object: a path, a `PartObject`, a `trimesh.Trimesh` or `Scene`, `(vertices, faces)`, or
 `(vertices, faces, labels)` with a number or name per face. `(points, None, labels)` is a labelled cloud."""
 
-Parts: TypeAlias = Literal["auto", "bodies", "geoms", "links", "visuals"]
+Parts: TypeAlias = Literal["auto", "segment", "bodies", "geoms", "links", "visuals"]
 Missing: TypeAlias = Literal["error", "skip"]
 
 SMALLEST_METRES, LARGEST_METRES = 0.005, 5.0
@@ -61,7 +62,9 @@ def load_object(
 
     Args:
         path: A file or a folder.
-        parts: "auto", or for MJCF "bodies" or "geoms", for URDF "links" or "visuals".
+        parts: "auto" takes the parts that the file has. "segment" does, too, and where that is one fused part, or a
+            soup of more than 32 without joints, it is cut as `graft.segment` cuts it. For MJCF also "bodies" or
+            "geoms", for URDF "links" or "visuals".
         packages: Name -> folder of ROS packages, for `package://` in URDF.
         missing: "error", or "skip" to leave out meshes that a URDF or PartNet folder refers to in vain.
         up: (3,) direction against gravity in the object frame; overrides the file.
@@ -78,7 +81,8 @@ def load_object(
     """
     path = Path(path)
     try:
-        obj = _read(path, parts=parts, packages=packages, missing=missing)
+        obj = _read(path, parts="auto" if parts == "segment" else parts, packages=packages, missing=missing)
+        obj = cut_object(obj) if parts == "segment" else obj
         obj = replace(
             obj,
             source=str(path),
@@ -92,7 +96,13 @@ def load_object(
     return _with_size_note(obj, path)
 
 
-def _read(path: Path, *, parts: Parts, packages: Mapping[str, PathLike] | None, missing: Missing) -> PartObject:
+def _read(
+    path: Path,
+    *,
+    parts: Literal["auto", "bodies", "geoms", "links", "visuals"],
+    packages: Mapping[str, PathLike] | None,
+    missing: Missing,
+) -> PartObject:
     """Find out what is meant, and read it."""
     folders = {name: Path(folder) for name, folder in (packages or {}).items()}
     if not path.exists():

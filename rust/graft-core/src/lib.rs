@@ -10,6 +10,7 @@ pub mod grasp;
 pub mod motion;
 pub mod render;
 pub mod retrieve;
+pub mod segment;
 pub mod transport;
 
 pub use error::Error;

@@ -11,6 +11,7 @@ mod grasp;
 mod motion;
 mod render;
 mod retrieve;
+mod segment;
 mod transport;
 
 /// The compiled core of graft.
@@ -31,6 +32,8 @@ mod _core {
     use super::render::{cast_rays, render_scene};
     #[pymodule_export]
     use super::retrieve::rank_graphs;
+    #[pymodule_export]
+    use super::segment::{segment_cloud, segment_mesh};
     #[pymodule_export]
     use super::transport::{feature_costs, ufgw_batch, ufgw_pair};
     #[pymodule_export]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from graft.errors import InputError
-from graft.evaluate.protocols import Benchmark, Posing, from_objects, load_objects, paper
+from graft.evaluate.protocols import Benchmark, Posing, WhoseParts, from_objects, load_objects, paper
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,8 @@ class Asked:
     """Keep what is known of the up axis."""
     perturb: bool = False
     """Give the parts defects: merged, split, boundaries moved."""
+    parts: WhoseParts = "drawn"
+    """As people drew them, or cut by graft segment: of targets only, or of all objects."""
     limit: int | None = None
     """At most so many targets."""
     workers: int = os.cpu_count() or 1
@@ -52,7 +54,7 @@ class Asked:
                 raise InputError(f"--{name}: expected at least 1, got {value}")
         if self.seed < 0:
             raise InputError(f"--seed: expected at least 0, got {self.seed}")
-        posing = Posing(self.seed, self.turn, self.up, self.perturb)
+        posing = Posing(self.seed, self.turn, self.up, self.perturb, self.parts)
         if self.protocol == "paper":
             if self.objects is not None:
                 raise InputError("--objects: the paper's protocol runs on the zoo; choose another --protocol")

@@ -35,7 +35,7 @@ def print_asked(console: Console, benchmark: Benchmark) -> None:
     console.print(
         f"{benchmark.protocol}: {targets} targets, {len(benchmark.queries)} queries, "
         f"{len(benchmark.sources)} demonstrations; {'turned and scaled' if posing.turn else 'as they lie'}, "
-        f"up {'kept' if posing.up else 'dropped'}, parts {'perturbed' if posing.perturb else 'as given'}, "
+        f"up {'kept' if posing.up else 'dropped'}, parts {posing.parts}{', perturbed' if posing.perturb else ''}, "
         f"seed {posing.seed}"
     )
 
