@@ -29,7 +29,6 @@ if TYPE_CHECKING:
         plan_grasps,
         save_grasps,
     )
-    from graft.grasp import Grasp, GraspSet, Gripper, plan_grasps
     from graft.io import (
         as_object,
         load_demonstration,
@@ -105,7 +104,6 @@ _HOMES = {
     "plan_motion": "graft.motion",
     "plan_motions": "graft.motion",
     "prepare": "graft.sim",
-    "plan_grasps": "graft.grasp",
     "save_demonstration": "graft.io",
     "save_glb": "graft.viz",
     "save_grasp_glb": "graft.viz",
@@ -175,7 +173,6 @@ __all__ = [
     "plan_motion",
     "plan_motions",
     "prepare",
-    "plan_grasps",
     "save_demonstration",
     "save_glb",
     "save_grasp_glb",
@@ -188,10 +185,10 @@ __all__ = [
     "save_sheet",
     "save_trial",
     "save_views",
-    "simulate_grasp",
-    "simulate_grasps",
     "segment",
     "segment_hierarchy",
+    "simulate_grasp",
+    "simulate_grasps",
     "transfer_contact",
     "ufgw",
     "ufgw_batch",

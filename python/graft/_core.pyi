@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 __all__ = [
     "__version__",
-    "arm_poses",
     "antipodal_grasps",
+    "arm_poses",
     "box_gaps",
     "cast_rays",
     "chamfer_distances",

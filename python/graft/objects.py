@@ -36,8 +36,9 @@ class Part:
         normals: (v, 3) outward unit normals of a point cloud's points; None for meshes, whose faces tell.
         label: What kind of part it is ("handle"); several parts may share one. Defaults to the name.
         notes: What was dropped or repaired when the part was read.
-        sweeps: How the part is solid, where its maker knows: each an array (k, m) of vertex indices, k loops of m that a
-            solid is swept through, so that the hulls of neighbouring loops together fill the part. Empty when unknown.
+        sweeps: How the part is solid, where its maker knows: each an array (k, m) of vertex indices, k loops of m that
+            a solid is swept through, so that the hulls of neighbouring loops together fill the part. Empty when
+            unknown.
     """
 
     name: str

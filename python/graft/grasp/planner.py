@@ -15,7 +15,7 @@ from graft.grasp.grasps import GraspSet
 from graft.grasp.gripper import PANDA_HAND, Gripper
 from graft.grasp.metric import Support, in_metres
 from graft.grasp.scoring import ScoreWeights
-from graft.grasp.surface import surface_of, with_surfels
+from graft.grasp.surface import Surface, surface_of, with_surfels
 from graft.io import as_object
 from graft.objects import Contact, PartObject
 
@@ -64,6 +64,8 @@ class AntipodalPlanner:
 
     Attributes:
         radius: Around the contact, metres: pads press within it. The length of a Panda's pad and a half.
+        wider: Times the radius within which is looked next where nothing was found: a part lies flat on the table, or a
+            loop is too narrow, just where it was asked for, and can be held a hand's breadth further.
         samples: Places on the surface, with a contact.
         spread_samples: Places on the surface, without one.
         rays: From each place, within the friction cone.
@@ -80,6 +82,7 @@ class AntipodalPlanner:
     """
 
     radius: float = 0.03
+    wider: tuple[float, ...] = (2.0, 6.0)
     samples: int = 192
     spread_samples: int = 1024
     rays: int = 4
@@ -106,6 +109,8 @@ class AntipodalPlanner:
         for name in ("samples", "spread_samples", "rays", "pairs", "approaches"):
             if getattr(self, name) < 1:
                 raise InputError(f"planner {name}: expected at least 1, got {getattr(self, name)}")
+        if not all(np.isfinite(factor) and factor > 0 for factor in self.wider):
+            raise InputError(f"planner wider: expected positive numbers, got {self.wider}")
         if not self.depths or not np.isfinite(self.depths).all():
             raise InputError(f"planner depths: expected finite numbers, got {self.depths}")
 
@@ -134,6 +139,26 @@ class AntipodalPlanner:
         surface = with_surfels(surface_of(obj))
         if part is None and contact is not None:
             part = contact.part
+        found = self._search(surface, obj, contact, gripper, self.radius, part, support, k, seed)
+        for factor in self.wider if contact is not None else ():
+            if len(found):
+                break
+            found = self._search(surface, obj, contact, gripper, factor * self.radius, part, support, k, seed)
+        return found
+
+    def _search(
+        self,
+        surface: Surface,
+        obj: PartObject,
+        contact: Contact | None,
+        gripper: Gripper,
+        radius: float,
+        part: int | None,
+        support: Support | None,
+        k: int,
+        seed: int,
+    ) -> GraspSet:
+        """Look once, within `radius` of the contact."""
         try:
             poses, widths, scores, contacts, distances, (names, terms), rejected = _core.antipodal_grasps(
                 vertices=surface.vertices,
@@ -143,7 +168,7 @@ class AntipodalPlanner:
                 contact=None if contact is None else tuple(contact.point.tolist()),
                 approach=None if contact is None or contact.approach is None else tuple(contact.approach.tolist()),
                 tolerance=OFF_SURFACE,
-                radius=self.radius,
+                radius=radius,
                 part=part,
                 plane=None if support is None else (*support.normal.tolist(), support.offset),
                 up=None if obj.up is None else tuple(obj.up.tolist()),

@@ -60,8 +60,9 @@ def simulate_grasp(
 ) -> Trial:
     """Try a grasp in physics.
 
-    The hand, open by `Gripper.opening_for`, comes from `approach_distance` in a straight line, closes, lifts and holds.
-    The trial ends early when its outcome cannot change any more: after the first check failed, or once no finger touches the lifted object.
+    The hand, open by `Gripper.opening_for`, comes from `approach_distance` in a straight line, closes, lifts and
+    holds. The trial ends early when its outcome cannot change any more: after the first check failed, or once no
+    finger touches the lifted object.
 
     Args:
         obj: A `PreparedObject` (prepare once for many trials), or anything that `graft.load_object` reads.

@@ -107,9 +107,9 @@ def _print_trials(console: Console, benchmark: Benchmark, arena: Arena, rows: Se
         if told:
             console.print(f"graft's {name} above: {told}")
     console.print(
-        "\nSR success, AG no grasp found, GF grasp failure, SL slippage, UN unstable; usable: held by a graspable part to "
-        f"the end;\nsteady: success, turned in the hand by at most {STEADY:g} degrees; fitting: SR where the gripper can "
-        "hold a graspable part at all"
+        "\nSR success, AG no grasp found, GF grasp failure, SL slippage, UN unstable; usable: held by a graspable\n"
+        f"part to the end; steady: success, turned in the hand by at most {STEADY:g} degrees; fitting: SR where the\n"
+        "gripper can hold a graspable part at all"
     )
     console.print("\ngraft per object")
     _print_rates(console, _table("object"), rates_by(ours, lambda row: row.category, seed))
