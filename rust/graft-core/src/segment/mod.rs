@@ -37,8 +37,9 @@ const SMOOTHING: f64 = 0.02;
 /// Fewer elements than this have no parts.
 const FEWEST: usize = 16;
 
-/// Log-odds above which regions stay apart: more people would tell them apart than would not.
-const EVEN: f64 = 0.0;
+/// Log-odds above which regions stay apart. Even odds are 0; a little on the finer side the Rand-index error on the
+/// tuning half is less (.093 rather than .099), and a border too many costs a transfer less than one that is missing.
+const EVEN: f64 = -0.2;
 
 /// Parts at most in the finest level of a hierarchy.
 pub const FINEST: usize = 24;
