@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from scenes import channel
+from sim_scenes import channel
 from test_pieces import outside
 
 from graft.errors import InputError, MissingExtraError

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from scenes import box, mesh_object
 from scipy.spatial import ConvexHull
+from sim_scenes import box, mesh_object
 
 from graft import zoo
 from graft.objects import Floats, Part, PartObject

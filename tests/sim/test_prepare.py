@@ -7,7 +7,7 @@ import pickle
 import numpy as np
 import pytest
 import trimesh
-from scenes import box, mesh_object
+from sim_scenes import box, mesh_object
 
 from graft import zoo
 from graft.errors import InputError

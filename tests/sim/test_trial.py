@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from scenes import ALONG_X, DOWN, box, channel, grasp, mesh_object
+from sim_scenes import ALONG_X, DOWN, box, channel, grasp, mesh_object
 
 from graft import zoo
 from graft.errors import InputError

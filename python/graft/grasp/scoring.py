@@ -28,7 +28,7 @@ class ScoreWeights:
 
     cone: float = 2.0
     distance: float = 2.0
-    lever: float = 2.0
+    lever: float = 4.0
     approach: float = 1.0
     above: float = 1.0
     width: float = 0.5

@@ -32,6 +32,12 @@ def save_trajectory(path: str | Path, trajectory: Trajectory) -> None:
     path = Path(path)
     if path.suffix.lower() != ".npz":
         raise InputError(f"cannot write {path.suffix!r}: expected .npz", path=path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, packed_trajectory(trajectory))
+
+
+def packed_trajectory(trajectory: Trajectory) -> bytes:
+    """Return the bytes of a trajectory's .npz file."""
     arrays: dict[str, Any] = {
         "times": trajectory.times,
         "T_world_target": trajectory.T_world_target,
@@ -50,8 +56,7 @@ def save_trajectory(path: str | Path, trajectory: Trajectory) -> None:
     }
     file = io.BytesIO()
     np.savez(file, **arrays)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, file.getvalue())
+    return file.getvalue()
 
 
 def load_trajectory(path: str | Path) -> Trajectory:
@@ -66,8 +71,15 @@ def load_trajectory(path: str | Path) -> Trajectory:
     Raises:
         InputError: An array is missing, unknown or wrong; the message has the file and the array.
     """
-    path = Path(path)
-    arrays = read_npz(path)
+    return trajectory_of(read_npz(Path(path)), Path(path))
+
+
+def trajectory_of(arrays: dict[str, Any], path: Path) -> Trajectory:
+    """Return the trajectory that a .npz file's arrays tell; takes them out of `arrays`.
+
+    Raises:
+        InputError: See `load_trajectory`.
+    """
     with malformed_is_input_error(path, "trajectory"):
         target = _poses(arrays, "target")
         if target is None:

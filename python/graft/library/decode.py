@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graft.graph import PartFlag, PartGraph, build_graph
+from graft.io.trajectories import trajectory_of
 from graft.library.encode import Arrays
 from graft.objects import Contact, Demonstration, Floats, Joint, Part, PartObject
+from graft.trajectory import Trajectory
 
 
 def demonstration_of(document: dict[str, Any], arrays: Arrays) -> Demonstration:
@@ -19,11 +23,15 @@ def demonstration_of(document: dict[str, Any], arrays: Arrays) -> Demonstration:
     vertices = np.split(arrays["vertices"].reshape(-1, 3), np.cumsum(arrays["vertex_counts"])[:-1])
     faces = np.split(arrays["faces"].reshape(-1, 3).astype(np.int64), np.cumsum(arrays["face_counts"])[:-1])
     normals = arrays["normals"].reshape(-1, 3)
+    shapes = [shape for part in words["parts"] for shape in part[4]]
+    loops = np.split(arrays["sweeps"].astype(np.int64), np.cumsum([k * m for k, m in shapes])[:-1])
+    swept = iter([flat.reshape(shape) for flat, shape in zip(loops, shapes, strict=True)] if shapes else [])
     parts, used = [], 0
-    for (name, label, notes, has_normals), corners, triangles in zip(words["parts"], vertices, faces, strict=True):
+    for told, corners, triangles in zip(words["parts"], vertices, faces, strict=True):
+        name, label, notes, has_normals, sweeps = told
         own = normals[used : used + len(corners)] if has_normals else None
         used += len(corners) if has_normals else 0
-        parts.append(Part(name, corners, triangles, own, label, tuple(notes)))
+        parts.append(Part(name, corners, triangles, own, label, tuple(notes), tuple(next(swept) for _ in sweeps)))
     obj = PartObject(
         words["name"],
         tuple(parts),
@@ -41,7 +49,15 @@ def demonstration_of(document: dict[str, Any], arrays: Arrays) -> Demonstration:
     object.__setattr__(shown, "normal", _vector(contact["normal"]))
     object.__setattr__(shown, "approach", _vector(contact["approach"]))
     object.__setattr__(obj, "up", _vector(words["up"]))
-    return Demonstration(obj, shown, document["name"], document["metadata"])
+    grasp = None if document["grasp"] is None else np.array(document["grasp"])
+    return Demonstration(obj, shown, document["name"], document["metadata"], grasp, _trajectory(arrays["trajectory"]))
+
+
+def _trajectory(data: NDArray[np.uint8]) -> Trajectory | None:
+    if not len(data):
+        return None
+    with np.load(io.BytesIO(data.tobytes()), allow_pickle=False) as file:
+        return trajectory_of(dict(file), Path("trajectory.npz"))
 
 
 def graph_of(

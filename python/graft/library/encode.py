@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from graft import _core
 from graft.errors import InputError
 from graft.graph import PartGraph, source_mass
+from graft.io.trajectories import packed_trajectory
 from graft.library.tables import GRAPHS, OBJECT_ARRAYS, OBJECTS, PLACES, PartColumns, ragged, single
 from graft.objects import Demonstration, Joint
 
@@ -55,6 +56,8 @@ def make_row(demonstration: Demonstration, graph: PartGraph, *, samples: bool, s
         "vertex_counts": np.array([len(part.vertices) for part in obj.parts], np.int64),
         "faces": np.concatenate([part.faces for part in obj.parts]).astype(np.int32).ravel(),
         "face_counts": np.array([len(part.faces) for part in obj.parts], np.int64),
+        "sweeps": np.concatenate([np.empty(0, np.int64), *(s.ravel() for p in obj.parts for s in p.sweeps)]),
+        "trajectory": np.frombuffer(_trajectory(demonstration), np.uint8),
         "centers": graph.centers.ravel(),
         "axes": graph.axes.ravel(),
         "half_extents": graph.half_extents.ravel(),
@@ -65,6 +68,11 @@ def make_row(demonstration: Demonstration, graph: PartGraph, *, samples: bool, s
         "point_normals": np.stack(graph.normals).ravel() if samples else np.empty(0),
     }
     return Row(demonstration, graph, content_id(demonstration), _document(demonstration, graph), arrays, source)
+
+
+def _trajectory(demonstration: Demonstration) -> bytes:
+    """Return the trajectory as a .npz file's bytes, which no object need be unpickled from; none without one."""
+    return b"" if demonstration.trajectory is None else packed_trajectory(demonstration.trajectory)
 
 
 def content_id(demonstration: Demonstration) -> bytes:
@@ -136,6 +144,7 @@ def _document(demonstration: Demonstration, graph: PartGraph) -> str:
     words = {
         "name": demonstration.name,
         "metadata": dict(demonstration.metadata),
+        "grasp": None if demonstration.grasp is None else demonstration.grasp.tolist(),
         "contact": {
             "point": contact.point.tolist(),
             "normal": contact.normal.tolist(),
@@ -150,7 +159,10 @@ def _document(demonstration: Demonstration, graph: PartGraph) -> str:
             "graspable": list(obj.graspable),
             "notes": list(obj.notes),
             "source": obj.source,
-            "parts": [[p.name, p.label, list(p.notes), p.normals is not None] for p in obj.parts],
+            "parts": [
+                [p.name, p.label, list(p.notes), p.normals is not None, [list(sweep.shape) for sweep in p.sweeps]]
+                for p in obj.parts
+            ],
             "joints": [_joint(joint) for joint in obj.joints],
         },
         "diagonal": graph.diagonal,

@@ -64,6 +64,8 @@ OBJECT_ARRAYS: dict[str, pa.DataType] = {
     "vertex_counts": pa.large_list(pa.int64()),
     "faces": pa.large_list(pa.int32()),
     "face_counts": pa.large_list(pa.int64()),
+    "sweeps": pa.large_list(pa.int64()),
+    "trajectory": BYTES,
     "centers": FLOATS,
     "axes": FLOATS,
     "half_extents": FLOATS,

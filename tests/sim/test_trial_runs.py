@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
-from scenes import box, grasp
+from sim_scenes import box, grasp
 
 from graft.errors import InputError
 from graft.sim import Job, MujocoSimulator, Outcome, SimulationConfig, Trial, prepare, random_poses, simulate_grasps

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import box, grasp
+from sim_scenes import box, grasp
 
 from graft.errors import InputError
 from graft.sim import PreparedObject, SimulationConfig, Trial, prepare, simulate_grasp
