@@ -1,0 +1,321 @@
+"""One attempt: choose a source, carry its contact over, plan, replay its motion with noise, judge."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import time
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from graft.checks import Floats
+from graft.datagen.config import CONTROL_RATE, GenerationConfig
+from graft.datagen.episode import Episode
+from graft.datagen.judge import AttemptOutcome, Bounds, Judge
+from graft.datagen.retarget import CLOSING, HOLD, Source, carried, retargeted, upright_frame
+from graft.datagen.reach import Plan, plan_reach
+from graft.datagen.rollout import Diverged, Rollout
+from graft.datagen.rotations import interpolated, rotation_vector
+from graft.datagen.scene import episode_scene
+from graft.datagen.scripted import recorded, start_pose, turned_start
+from graft.datagen.selection import Chooser
+from graft.errors import InputError
+from graft.grasp import Gripper
+from graft.library import Library
+from graft.objects import PartObject
+from graft.sim import PreparedObject, SimulationConfig, prepare
+from graft.trajectory import DEMONSTRATED, Segment
+
+JOINED = (0.02, 0.1)
+"""Metres and radians: nearer than this the next segment goes on where the last ended, and nothing is interpolated."""
+
+ENVIRONMENT = "graft/Lift-v0"
+"""What episodes call the environment."""
+
+
+def derived_seed(*what: str | int) -> int:
+    """Return 63 bits that names and numbers tell: the same on any machine, in any process."""
+    return int.from_bytes(hashlib.sha256(json.dumps(what).encode()).digest()[:8], "big") >> 1
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """An object made ready for many attempts.
+
+    Attributes:
+        prepared: In metres, standing.
+        chooser: Knows the sources.
+    """
+
+    prepared: PreparedObject
+    chooser: Chooser
+
+    @classmethod
+    def lay(cls, obj: PartObject, library: Library, sources: dict[str, Source], physics: SimulationConfig) -> Target:
+        """Let an object come to rest and build its part graph.
+
+        Raises:
+            InputError: It has no volume or no plausible size.
+        """
+        prepared = prepare(obj, physics)
+        return cls(prepared, Chooser(library, sources, library.graph(prepared.object)))
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What came of an attempt.
+
+    Attributes:
+        name: Of its episode: task, object, number.
+        object: Name of the object.
+        number: Of the attempt on this object.
+        seed: hash(run, object, demonstration, number).
+        outcome: The class.
+        reason: What decided it.
+        demonstration: The source; "" when there was none.
+        any_step: Whether the object was `graft.datagen.judge.RAISED` above its place at any step: MimicGen's success.
+        steps: Actions.
+        seconds: Of the wall clock.
+        episode: Of a success, when it was asked for.
+    """
+
+    name: str
+    object: str
+    number: int
+    seed: int
+    outcome: AttemptOutcome
+    reason: str
+    demonstration: str = ""
+    any_step: bool = False
+    steps: int = 0
+    seconds: float = 0.0
+    episode: Episode | None = field(default=None, repr=False)
+
+    def document(self) -> dict[str, Any]:
+        """Return the attempt for JSON; the same for the same attempt wherever it ran."""
+        return {
+            "name": self.name,
+            "object": self.object,
+            "demonstration": self.demonstration,
+            "attempt": self.number,
+            "seed": self.seed,
+            "outcome": self.outcome.value,
+            "reason": self.reason,
+            "any_step": self.any_step,
+            "steps": self.steps,
+        }
+
+
+def attempt_name(task: str, obj: str, number: int) -> str:
+    """Return the name of an attempt, and of its episode."""
+    return f"{task}_{obj}_{number:05d}"
+
+
+@dataclass(frozen=True)
+class _Draw:
+    """What an attempt's scene is: the same for every method."""
+
+    placed: Floats
+    start: Floats
+    physics: SimulationConfig
+
+
+def draw_scene(prepared: PreparedObject, config: GenerationConfig, seed: int) -> _Draw:
+    """Draw the object's pose, the hand's start and the physics of an attempt."""
+    rng, ranges = np.random.default_rng(seed), config.random
+    u = rng.uniform(-1.0, 1.0, 8)
+    yaw = np.radians(ranges.yaw) * u[0]
+    turn = np.eye(4)
+    turn[:2, :2] = (np.cos(yaw), -np.sin(yaw)), (np.sin(yaw), np.cos(yaw))
+    turn[:2, 3] = ranges.place * u[1:3]
+    start = turned_start(start_pose(prepared), ranges.start * u[3:6], 0.0)
+    physics = config.physics
+    for name, pair, share in (("mass", ranges.mass, u[6]), ("friction", ranges.friction, u[7])):
+        if pair is not None:
+            physics = replace(physics, **{name: pair[0] + (share + 1) / 2 * (pair[1] - pair[0])})
+    return _Draw(turn @ prepared.T_world_object, start, physics)
+
+
+def run_attempt(
+    target: Target, gripper: Gripper, config: GenerationConfig, *, run: int, number: int, keep: bool = True
+) -> Attempt:
+    """Make one attempt.
+
+    Args:
+        target: The object.
+        gripper: The floating hand.
+        config: How.
+        run: Seed of the run.
+        number: Of the attempt on this object.
+        keep: Whether to return the episode of a success.
+    """
+    began, prepared, name = time.perf_counter(), target.prepared, target.prepared.object.name
+    scene = draw_scene(prepared, config, derived_seed(run, name, number))
+    label = attempt_name(config.task, name, number)
+    if not prepared.pose.stable:
+        seed = derived_seed(run, name, "", number)
+        return Attempt(label, name, number, seed, AttemptOutcome.UNSTABLE, "no pose in which it stands was found")
+    chooser = target.chooser
+    rng = np.random.default_rng(derived_seed(run, name, number, "selection"))
+    source = chooser.choose(config.select, rng, scene.placed, scene.start)
+    seed = derived_seed(run, name, source.name, number)
+    contacts = chooser.contacts(source, config.select, config.contacts) if config.anchor == "grasp" else []
+    plan = plan_reach(prepared, source, contacts, scene.placed, scene.start, gripper, config, seed)
+    result = Attempt(label, name, number, seed, plan.outcome, plan.reason, source.name)
+    if plan.outcome is AttemptOutcome.SUCCESS:
+        xml, compiled = episode_scene(prepared.body, scene.physics, gripper)
+        judge = Judge(Bounds.of(config.height, scene.physics))
+        rollout = Rollout(compiled, scene.physics.timeout, judge)
+        replay = _Replay(rollout, judge, source, plan, config, np.random.default_rng(seed), target.prepared)
+        with compiled.quiet():
+            try:
+                rollout.begin(scene.placed, scene.start, scene.physics.settle_time)
+                replay.run()
+                outcome, reason = judge.verdict(rollout)
+            except Diverged as trouble:
+                outcome, reason = AttemptOutcome.UNSTABLE, str(trouble)
+        result = replace(
+            result, outcome=outcome, reason=reason, any_step=judge.any_step, steps=len(rollout.actions),
+        )  # fmt: skip
+        if keep and outcome is AttemptOutcome.SUCCESS:
+            settings = config.document() | {
+                "run": run, "attempt": number, "object": name, "mass": scene.physics.mass,
+                "friction": scene.physics.friction, "bounds": judge.bounds.document(),
+            }  # fmt: skip
+            episode = _episode(rollout, replay.segments, label, prepared, xml, gripper, settings, seed, source.name)
+            result = replace(result, episode=episode)
+    return replace(result, seconds=time.perf_counter() - began)
+
+
+class _Replay:
+    """The source's segments on the new object."""
+
+    def __init__(
+        self, rollout: Rollout, judge: Judge, source: Source, plan: Plan, config: GenerationConfig, rng: Generator,
+        prepared: PreparedObject,
+    ) -> None:  # fmt: skip
+        self.rollout, self.judge, self.source, self.plan = rollout, judge, source, plan
+        self.config, self.rng, self.prepared = config, rng, prepared
+        self.segments: list[Segment] = []
+        self._grip = plan.grip if plan.grip is not None else float(source.trajectory.gripper[0])
+
+    def run(self) -> None:
+        """Reach, replay, hold; stops where the object is lost."""
+        source, config = self.source, self.config
+        first = 0
+        if self.plan.transit is not None:
+            first = source.reach
+            for target in self.plan.transit:
+                self._go(target, self._grip)
+            before = source.trajectory.segments[first - 1] if first else None
+            name, signal = ("reach", "reached") if before is None else (before.name, before.signal)
+            self._end(name, signal)
+        for index in range(first, len(source.trajectory.segments)):
+            self._segment(index)
+            if self.judge.lost:
+                break
+        last = self.rollout.target
+        for _ in range(round(config.hold * CONTROL_RATE)):
+            if self.judge.lost:
+                break
+            self.rollout.toward(last, self._grip)
+        self._end(HOLD, None)
+
+    def _segment(self, index: int) -> None:
+        """Replay one segment: interpolate to it, settle before the gripper turns."""
+        source, rollout, config = self.source, self.rollout, self.config
+        segment = source.trajectory.segments[index]
+        targets = self._targets(index)
+        if _apart(rollout.target, targets[0]):
+            for target in interpolated(rollout.target, targets[0], config.interpolation):
+                rollout.toward(target, self._grip)
+        grips = source.trajectory.gripper[segment.start : segment.end]
+        for target, told in zip(targets, grips, strict=True):
+            grip = float(told) if self.plan.grip is None or told > CLOSING else self.plan.grip
+            if (grip > CLOSING) != (self._grip > CLOSING):
+                self._settle(target)
+            self._grip = grip
+            self._go(target, grip)
+            if self.judge.lost:
+                break
+        self._end(segment.name, None if self.judge.lost else segment.signal)
+
+    def _targets(self, index: int) -> Floats:
+        source, rollout = self.source, self.rollout
+        now, given = rollout.objects[-1], source.targets(index)
+        if self.plan.grasp is None:
+            return retargeted(given, source.object_pose(index), now)
+        grasp = now @ self.plan.grasp
+        if index <= source.reach:
+            return retargeted(given, source.object_pose(index) @ source.grasp, grasp)
+        center = now[:3, :3] @ self.prepared.body.center_of_mass + now[:3, 3]
+        upright = upright_frame(grasp[:3, 3], center)
+        return carried(given, source.upright(index), upright, rollout.target)
+
+    def _settle(self, target: Floats) -> None:
+        """Wait at a target, without noise, until the hand is there."""
+        for _ in range(self.config.settle):
+            self.rollout.toward(target, self._grip)
+            if np.linalg.norm(self.rollout.hands[-1][:3, 3] - target[:3, 3]) < self.config.settled:
+                break
+
+    def _go(self, target: Floats, grip: float) -> None:
+        self.rollout.toward(target, grip, self.config.noise, self.rng)
+
+    def _end(self, name: str, signal: str | None) -> None:
+        begin, end = self.segments[-1].end if self.segments else 0, len(self.rollout.actions)
+        if end > begin:
+            self.segments.append(Segment(name, begin, end, DEMONSTRATED, signal))
+
+
+def _apart(a: Floats, b: Floats) -> bool:
+    """Whether two targets are further apart than `JOINED`."""
+    far, turned = JOINED
+    return bool(
+        np.linalg.norm(a[:3, 3] - b[:3, 3]) > far
+        or np.linalg.norm(rotation_vector(a[:3, :3] @ b[:3, :3].T)) > turned
+    )
+
+
+def _episode(
+    rollout: Rollout, segments: list[Segment], name: str, prepared: PreparedObject, xml: str, gripper: Gripper,
+    settings: dict[str, Any], seed: int, source: str,
+) -> Episode:  # fmt: skip
+    count = len(rollout.actions)
+    last = np.zeros(count, np.int64)
+    last[-1] = 1
+    obj = prepared.object
+    return Episode(
+        name=name,
+        trajectory=recorded(rollout, tuple(segments)),
+        actions=np.array(rollout.actions),
+        states=np.array(rollout.states),
+        observations=rollout.observations(),
+        rewards=last.astype(np.float64),
+        dones=last,
+        model_xml=xml,
+        env_args={
+            "env_name": ENVIRONMENT,
+            "env_kwargs": {"control_freq": CONTROL_RATE, "gripper": gripper.name, "object": obj.name},
+        },
+        seed=seed,
+        outcome=AttemptOutcome.SUCCESS.value,
+        task=f"{settings['task']} the {(obj.category or obj.name).replace('_', ' ')}",
+        source=source,
+        settings=settings,
+    )
+
+
+def checked_force(gripper: Gripper, physics: SimulationConfig) -> None:
+    """Refuse a closing force that the gripper does not give.
+
+    Raises:
+        InputError: It does not.
+    """
+    if physics.force > gripper.max_force:
+        raise InputError(
+            f"force: gripper {gripper.name!r} gives at most {gripper.max_force:g} N a finger, got {physics.force:g}"
+        )
