@@ -77,6 +77,9 @@ class Maker:
             target, work.gripper, work.config, run=work.seed, number=index // len(work.objects),
             keep=work.parts is not None,
         )  # fmt: skip
+        parent = multiprocessing.parent_process()
+        if parent is not None and not parent.is_alive():
+            raise EOFError  # killed; who takes the run up must not meet two writers
         if attempt.episode is not None and work.parts is not None:
             write_part(work.parts / f"demo_{index:06d}.hdf5", attempt.episode)
         return replace(attempt, episode=None)
