@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-import tyro
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
 from rich.progress import Progress as Bar
@@ -40,8 +39,8 @@ MESHES = (".glb", ".gltf", ".obj", ".ply", ".stl", ".off", ".dae", ".xml", ".urd
 class Generate:
     """Replay a library's demonstrations on other objects, in physics, and keep what succeeds as training data.
 
-    State-only: no cameras. Run again, it goes on where it was stopped; episodes and failures do not depend on the number
-    of workers. Exits with 1 when nothing was kept.
+    State-only: no cameras. Run again, it goes on where it was stopped; episodes and failures do not depend on the
+    number of workers. Exits with 1 when nothing was kept.
     """
 
     library: Path
@@ -55,7 +54,7 @@ class Generate:
     task: str = "lift"
     """What is done."""
     method: Literal["graft", "vanilla"] = "graft"
-    """graft, or MimicGen as published: random source, body frames, linear interpolation. The flags below override it."""
+    """graft, or MimicGen as published: random source, body frames, linear interpolation. The next three override it."""
     select: Selection | None = None
     """How the source is picked."""
     anchor: Anchor | None = None

@@ -9,16 +9,15 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.random import Generator
 
 from graft.checks import Floats
 from graft.datagen.config import CONTROL_RATE, GenerationConfig
 from graft.datagen.episode import Episode
+from graft.datagen.execution import Execution
 from graft.datagen.judge import AttemptOutcome, Bounds, Judge
-from graft.datagen.retarget import CLOSING, HOLD, Source, carried, retargeted, upright_frame
-from graft.datagen.reach import Plan, plan_reach
+from graft.datagen.reach import plan_reach
+from graft.datagen.retarget import Source
 from graft.datagen.rollout import Diverged, Rollout
-from graft.datagen.rotations import interpolated, rotation_vector
 from graft.datagen.scene import episode_scene
 from graft.datagen.scripted import recorded, start_pose, turned_start
 from graft.datagen.selection import Chooser
@@ -27,10 +26,7 @@ from graft.grasp import Gripper
 from graft.library import Library
 from graft.objects import PartObject
 from graft.sim import PreparedObject, SimulationConfig, prepare
-from graft.trajectory import DEMONSTRATED, Segment
-
-JOINED = (0.02, 0.1)
-"""Metres and radians: nearer than this the next segment goes on where the last ended, and nothing is interpolated."""
+from graft.trajectory import Segment
 
 ENVIRONMENT = "graft/Lift-v0"
 """What episodes call the environment."""
@@ -169,7 +165,7 @@ def run_attempt(
         xml, compiled = episode_scene(prepared.body, scene.physics, gripper)
         judge = Judge(Bounds.of(config.height, scene.physics))
         rollout = Rollout(compiled, scene.physics.timeout, judge)
-        replay = _Replay(rollout, judge, source, plan, config, np.random.default_rng(seed), target.prepared)
+        replay = Execution(rollout, judge, source, plan, config, np.random.default_rng(seed), target.prepared)
         with compiled.quiet():
             try:
                 rollout.begin(scene.placed, scene.start, scene.physics.settle_time)
@@ -188,96 +184,6 @@ def run_attempt(
             episode = _episode(rollout, replay.segments, label, prepared, xml, gripper, settings, seed, source.name)
             result = replace(result, episode=episode)
     return replace(result, seconds=time.perf_counter() - began)
-
-
-class _Replay:
-    """The source's segments on the new object."""
-
-    def __init__(
-        self, rollout: Rollout, judge: Judge, source: Source, plan: Plan, config: GenerationConfig, rng: Generator,
-        prepared: PreparedObject,
-    ) -> None:  # fmt: skip
-        self.rollout, self.judge, self.source, self.plan = rollout, judge, source, plan
-        self.config, self.rng, self.prepared = config, rng, prepared
-        self.segments: list[Segment] = []
-        self._grip = plan.grip if plan.grip is not None else float(source.trajectory.gripper[0])
-
-    def run(self) -> None:
-        """Reach, replay, hold; stops where the object is lost."""
-        source, config = self.source, self.config
-        first = 0
-        if self.plan.transit is not None:
-            first = source.reach
-            for target in self.plan.transit:
-                self._go(target, self._grip)
-            before = source.trajectory.segments[first - 1] if first else None
-            name, signal = ("reach", "reached") if before is None else (before.name, before.signal)
-            self._end(name, signal)
-        for index in range(first, len(source.trajectory.segments)):
-            self._segment(index)
-            if self.judge.lost:
-                break
-        last = self.rollout.target
-        for _ in range(round(config.hold * CONTROL_RATE)):
-            if self.judge.lost:
-                break
-            self.rollout.toward(last, self._grip)
-        self._end(HOLD, None)
-
-    def _segment(self, index: int) -> None:
-        """Replay one segment: interpolate to it, settle before the gripper turns."""
-        source, rollout, config = self.source, self.rollout, self.config
-        segment = source.trajectory.segments[index]
-        targets = self._targets(index)
-        if _apart(rollout.target, targets[0]):
-            for target in interpolated(rollout.target, targets[0], config.interpolation):
-                rollout.toward(target, self._grip)
-        grips = source.trajectory.gripper[segment.start : segment.end]
-        for target, told in zip(targets, grips, strict=True):
-            grip = float(told) if self.plan.grip is None or told > CLOSING else self.plan.grip
-            if (grip > CLOSING) != (self._grip > CLOSING):
-                self._settle(target)
-            self._grip = grip
-            self._go(target, grip)
-            if self.judge.lost:
-                break
-        self._end(segment.name, None if self.judge.lost else segment.signal)
-
-    def _targets(self, index: int) -> Floats:
-        source, rollout = self.source, self.rollout
-        now, given = rollout.objects[-1], source.targets(index)
-        if self.plan.grasp is None:
-            return retargeted(given, source.object_pose(index), now)
-        grasp = now @ self.plan.grasp
-        if index <= source.reach:
-            return retargeted(given, source.object_pose(index) @ source.grasp, grasp)
-        center = now[:3, :3] @ self.prepared.body.center_of_mass + now[:3, 3]
-        upright = upright_frame(grasp[:3, 3], center)
-        return carried(given, source.upright(index), upright, rollout.target)
-
-    def _settle(self, target: Floats) -> None:
-        """Wait at a target, without noise, until the hand is there."""
-        for _ in range(self.config.settle):
-            self.rollout.toward(target, self._grip)
-            if np.linalg.norm(self.rollout.hands[-1][:3, 3] - target[:3, 3]) < self.config.settled:
-                break
-
-    def _go(self, target: Floats, grip: float) -> None:
-        self.rollout.toward(target, grip, self.config.noise, self.rng)
-
-    def _end(self, name: str, signal: str | None) -> None:
-        begin, end = self.segments[-1].end if self.segments else 0, len(self.rollout.actions)
-        if end > begin:
-            self.segments.append(Segment(name, begin, end, DEMONSTRATED, signal))
-
-
-def _apart(a: Floats, b: Floats) -> bool:
-    """Whether two targets are further apart than `JOINED`."""
-    far, turned = JOINED
-    return bool(
-        np.linalg.norm(a[:3, 3] - b[:3, 3]) > far
-        or np.linalg.norm(rotation_vector(a[:3, :3] @ b[:3, :3].T)) > turned
-    )
 
 
 def _episode(

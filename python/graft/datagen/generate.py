@@ -1,6 +1,6 @@
 """Runs of attempts that survive being killed: `graft generate`.
 
-A folder has `run.json` (what it was made with), `episodes.hdf5` (successes, until the end in `episodes.hdf5.parts/`, one
+A folder has `run.json` (what it was made with), `episodes.hdf5` (successes; until the end in `episodes.hdf5.parts/`, a
 file each, written by the workers) and `failures.jsonl`. What is in neither has not been tried. The same run gives the
 same episodes and failures with any number of workers, however often it was stopped.
 """

@@ -17,7 +17,7 @@ from graft.datagen.scene import scene_from_xml
 from graft.errors import InputError
 
 SAME = 1e-6
-"""Largest difference of a state for which a replay counts as the same; on the machine and versions that made it, it is 0."""
+"""Largest difference of a state with which a replay is the same; where the episode was made it is 0."""
 
 
 @dataclass(frozen=True)
@@ -102,9 +102,7 @@ def replay_episode(episode: Episode) -> Replayed:
         except Diverged as trouble:
             outcome, reason = AttemptOutcome.UNSTABLE, str(trouble)
     now = current_versions()
-    versions = {
-        name: (made, now.get(name, "none")) for name, made in episode.versions.items() if made != now.get(name)
-    }
+    versions = {name: (made, now.get(name, "none")) for name, made in episode.versions.items() if made != now.get(name)}
     return Replayed(
         episode.name, len(rollout.actions), worst, where, episode.outcome, outcome.value, reason, versions
     )  # fmt: skip

@@ -3,7 +3,7 @@
 T_new(t) = T_frame_new inv(T_frame_source at the segment's start) T_target_source(t)
 
 (Mandlekar et al. 2023, section IV), with controller targets, not reached poses. MimicGen's frame is the object's body
-frame. Graft's is the grasp: the pose of the gripper in which the source was, and the new object will be, taken. Once the
+frame. Graft's is the grasp: the gripper's pose in which the source was, and the new object will be, taken. Once the
 object is held what matters is how it moves, and up is up however it was taken: from there on the source's displacement
 is replayed about the upright frame at the grasp.
 """
@@ -43,7 +43,8 @@ def retargeted(targets: Floats, T_frame_source: Floats, T_frame_new: Floats) -> 
 def carried(targets: Floats, T_upright_source: Floats, T_upright_new: Floats, T_start_new: Floats) -> Floats:
     """Return (t, 4, 4) targets that displace what is held as the source did, beginning at `T_start_new` (4, 4).
 
-    With C = T_upright_new inv(T_upright_source) the displacement D(t) = T_source(t) inv(T_source(0)) becomes C D inv(C).
+    With C = T_upright_new inv(T_upright_source), the displacement D(t) = T_source(t) inv(T_source(0)) becomes
+    C D inv(C).
     """
     change = T_upright_new @ inverse(T_upright_source)
     moved: Floats = change @ targets @ inverse(targets[0]) @ inverse(change) @ T_start_new

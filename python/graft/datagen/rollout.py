@@ -1,6 +1,6 @@
 """The hand under delta actions, as robosuite's OSC_POSE takes them, and the record of what it did.
 
-An action (7,) in [-1, 1] is a move and a turn of the hand from where it is, in world axes, and what the fingers shall do.
+An action (7,) in [-1, 1] is a move and a turn of the hand from where it is, in world axes, and what the fingers do.
 All that the controller remembers is in MuJoCo's state, so that a state and the actions after it run again to the bit.
 """
 
@@ -121,9 +121,9 @@ class Rollout:
         place = hand[:3, 3] + LARGEST_MOVE * action[:3]
         rotation = rotation_about(LARGEST_TURN * action[3:6]) @ hand[:3, :3]
         begin = np.array(data.mocap_pos[0])
-        was = np.empty(9)
-        scene.mj.mju_quat2Mat(was, np.array(data.mocap_quat[0]))
-        was = was.reshape(3, 3)
+        flat = np.empty(9)
+        scene.mj.mju_quat2Mat(flat, np.array(data.mocap_quat[0]))
+        was = flat.reshape(3, 3)
         turn = rotation_vector(rotation @ was.T)
         fingers = self._fingers(float(action[6]))
         for step in range(1, self.steps + 1):
