@@ -18,7 +18,7 @@ from rich.table import Table
 from graft import zoo
 from graft.cli import EXIT_FAILED, EXIT_OK
 from graft.cli.options import print_json, print_table, shown, stdout_console
-from graft.datagen.config import Anchor, GenerationConfig, Randomisation, Reach, Selection, Task, vanilla
+from graft.datagen.config import TASKS, Anchor, GenerationConfig, Randomisation, Reach, Selection, Task, vanilla
 from graft.datagen.generate import Progress, Tally, generate
 from graft.datagen.judge import AttemptOutcome
 from graft.errors import InputError, printable
@@ -138,9 +138,10 @@ _UNHOLDABLE = {AttemptOutcome.NO_GRASP.value, AttemptOutcome.INVALID.value, Atte
 
 
 def _task(name: str) -> Task:
-    if name != "lift":
-        raise InputError(f"--task: expected lift, got {name!r}")
-    return "lift"
+    for task in TASKS:
+        if task == name:
+            return task
+    raise InputError(f"--task: expected one of {', '.join(TASKS)}, got {name!r}")
 
 
 def find_objects(where: str, seed: int, variants: int) -> list[PartObject]:
