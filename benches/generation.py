@@ -64,7 +64,7 @@ def _stages(library, objects):
         spent["planning"] += time.perf_counter() - start
         return found
 
-    sources = replayable(library)
+    sources = replayable(library, config.task)
     with tempfile.TemporaryDirectory() as folder:
         for obj in objects:
             start = time.perf_counter()

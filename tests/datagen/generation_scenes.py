@@ -16,7 +16,9 @@ from graft.objects import Demonstration, Part, PartObject
 def block(name: str, *size: float) -> PartObject:
     mesh = trimesh.creation.box(size)
     mesh.apply_translation((0, 0, size[2] / 2))
-    return PartObject(name, (Part("body", mesh.vertices, mesh.faces),), category="block", up=(0, 0, 1), scale_to_metres=1.0)
+    return PartObject(
+        name, (Part("body", mesh.vertices, mesh.faces),), category="block", up=(0, 0, 1), scale_to_metres=1.0
+    )
 
 
 def shown(name: str = "source", *size: float) -> Demonstration:

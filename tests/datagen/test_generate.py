@@ -16,12 +16,12 @@ from generation_scenes import library, shown, targets
 pytest.importorskip("mujoco")
 pytest.importorskip("h5py")
 
-from graft.datagen.config import GenerationConfig  # noqa: E402
-from graft.datagen.generate import EPISODES, FAILURES, generate  # noqa: E402
-from graft.datagen.read import read_episodes  # noqa: E402
-from graft.errors import InputError  # noqa: E402
-from graft.library import Library  # noqa: E402
-from graft.objects import Part, PartObject  # noqa: E402
+from graft.datagen.config import GenerationConfig
+from graft.datagen.generate import EPISODES, FAILURES, generate
+from graft.datagen.read import read_episodes
+from graft.errors import InputError
+from graft.library import Library
+from graft.objects import Part, PartObject
 
 HERE = Path(__file__).parent
 COUNT = 12
@@ -42,7 +42,11 @@ if __name__ == "__main__":
 def content(out):
     """Name -> states of what was kept, and the failures, each in the order of the files."""
     path = out / EPISODES
-    kept = [(e.name, e.seed, e.states.tobytes(), e.actions.tobytes()) for e in read_episodes(path)] if path.exists() else []
+    kept = (
+        [(e.name, e.seed, e.states.tobytes(), e.actions.tobytes()) for e in read_episodes(path)]
+        if path.exists()
+        else []
+    )
     return kept, (out / FAILURES).read_text()
 
 

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 pytest.importorskip("mujoco")
 
-from graft.datagen.retarget import HOLD, carried, retargeted, source_of, upright_frame  # noqa: E402
-from graft.datagen.rotations import interpolated, inverse, rotation_about, rotation_vector  # noqa: E402
-from graft.errors import InputError  # noqa: E402
+from graft.datagen.retarget import HOLD, carried, retargeted, source_of, upright_frame
+from graft.datagen.rotations import interpolated, inverse, rotation_about, rotation_vector
+from graft.errors import InputError
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -63,7 +63,10 @@ def test_what_is_carried_rises_as_in_the_source_however_it_was_taken(seed, headi
 
 
 def test_a_tilt_goes_the_way_that_the_object_faces():
-    towards_x, towards_y = upright_frame(np.zeros(3), np.array([1.0, 0, 0])), upright_frame(np.zeros(3), np.array([0, 1.0, 0]))
+    towards_x, towards_y = (
+        upright_frame(np.zeros(3), np.array([1.0, 0, 0])),
+        upright_frame(np.zeros(3), np.array([0, 1.0, 0])),
+    )
     tilt = np.eye(4)
     tilt[:3, :3] = rotation_about(np.array([0, 0.5, 0]))
     moved = carried(np.array([np.eye(4), tilt]), towards_x, towards_y, np.eye(4))
@@ -78,7 +81,9 @@ def test_interpolation_is_even_and_ends_where_it_should():
     begin, end = poses(3, 2)
     steps = interpolated(begin, end, 5)
     assert steps[-1].tolist() == end.tolist()
-    np.testing.assert_allclose(np.diff([begin[:3, 3], *steps[:, :3, 3]], axis=0), np.tile((end - begin)[:3, 3] / 5, (5, 1)))
+    np.testing.assert_allclose(
+        np.diff([begin[:3, 3], *steps[:, :3, 3]], axis=0), np.tile((end - begin)[:3, 3] / 5, (5, 1))
+    )
 
 
 def test_a_source_is_replayed_without_its_hold():
@@ -99,12 +104,21 @@ def test_a_reach_is_cut_off_where_the_source_has_one_segment():
     np.testing.assert_allclose(source.grasp, given.grasp, atol=2e-3)
 
 
+def test_what_is_done_to_other_objects_is_left_out():
+    given = demonstration()
+    trajectory, steps = given.trajectory, len(given.trajectory)
+    poses = {**trajectory.T_world_object, "machine": np.tile(np.eye(4), (steps, 1, 1))}
+    segments = (*trajectory.segments[:2], *(replace(s, anchor="machine") for s in trajectory.segments[2:]))
+    source = source_of(replace(given, trajectory=replace(trajectory, T_world_object=poses, segments=segments)))
+    assert [s.name for s in source.trajectory.segments] == ["reach", "grasp"]
+
+
 def test_what_cannot_be_replayed_is_named():
     given = demonstration()
+    part = given.trajectory.segments[-1]
     with pytest.raises(InputError, match="'source': it has no trajectory to replay"):
         source_of(shown())
     with pytest.raises(InputError, match="its gripper never closes"):
         source_of(replace(given, trajectory=replace(given.trajectory, gripper=-np.ones(len(given.trajectory)))))
-    with pytest.raises(InputError, match=f"no segment beside '{HOLD}'"):
-        part = given.trajectory.segments[-1]
+    with pytest.raises(InputError, match=f"no segment of the object that is taken, beside '{HOLD}'"):
         source_of(replace(given, trajectory=given.trajectory.subset(part.start, part.end)))

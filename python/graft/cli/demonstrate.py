@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 import tyro
 from rich.table import Table
@@ -12,6 +11,7 @@ from rich.table import Table
 from graft import zoo
 from graft.cli import EXIT_FAILED, EXIT_OK
 from graft.cli.options import print_json, print_table, shown, stdout_console
+from graft.datagen.config import Task
 from graft.datagen.scripted import demonstrate
 from graft.errors import InputError, MissingExtraError, printable
 from graft.grasp import find_gripper
@@ -33,14 +33,16 @@ class Demonstrate:
     trajectory, or zoo for the paper's four demonstrated categories."""
     out: Path
     """Folder of the library; each demonstration is a folder in it."""
-    task: Literal["lift"] = "lift"
-    """What is shown."""
+    task: Task = "lift"
+    """What is shown: lift, or lift and pour towards the spout, without one away from the hand."""
     gripper: str = "panda_hand"
     """panda_hand, robotiq_2f85, or a TOML, MJCF or URDF file."""
     seed: int = 0
     """Chooses the variants of the zoo's objects, and the planners' draws."""
     friction: float = SimulationConfig.friction
     """Between pads and object, and object and table."""
+    force: float = SimulationConfig.force
+    """Newtons a finger presses with."""
     mass: float = SimulationConfig.mass
     """Of every object, kilograms."""
     json: bool = False
@@ -53,13 +55,13 @@ class Demonstrate:
         if not self.objects:
             raise InputError("objects: expected at least one")
         gripper = find_gripper(self.gripper)
-        physics = SimulationConfig(friction=self.friction, mass=self.mass)
+        physics = SimulationConfig(friction=self.friction, force=self.force, mass=self.mass)
         names = [name for given in self.objects for name in (zoo.demonstrated() if given == "zoo" else (given,))]
         rows: list[dict[str, object]] = []
         for shown_object in [_shown(name, self.seed) for name in names]:
             row: dict[str, object] = {"demonstration": shown_object.name}
             try:
-                made = demonstrate(shown_object, gripper, physics=physics, seed=self.seed)
+                made = demonstrate(shown_object, gripper, task=self.task, physics=physics, seed=self.seed)
             except MissingExtraError:
                 raise
             except InputError as error:

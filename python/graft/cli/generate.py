@@ -67,6 +67,8 @@ class Generate:
     """panda_hand, robotiq_2f85, or a TOML, MJCF or URDF file."""
     height: float = GenerationConfig.height
     """Metres that the object must be up by when the hold ends."""
+    tilt: float = GenerationConfig.tilt
+    """Degrees by which a pour must have tilted it towards its spout by then."""
     hold: float = GenerationConfig.hold
     """Seconds that it is held."""
     yaw: float = Randomisation.yaw
@@ -128,6 +130,7 @@ class Generate:
             reach=self.reach or config.reach,
             noise=self.noise,
             height=self.height,
+            tilt=self.tilt,
             hold=self.hold,
             random=random,
             physics=physics,

@@ -11,25 +11,24 @@ from typing import Any
 import numpy as np
 
 from graft.checks import Floats
-from graft.datagen.config import CONTROL_RATE, GenerationConfig
+from graft.datagen.config import CONTROL_RATE, GenerationConfig, Task
 from graft.datagen.episode import Episode
 from graft.datagen.execution import Execution
 from graft.datagen.judge import AttemptOutcome, Bounds, Judge
 from graft.datagen.reach import plan_reach
-from graft.datagen.retarget import Source
+from graft.datagen.retarget import Source, spout_of
 from graft.datagen.rollout import Diverged, Rollout
 from graft.datagen.scene import episode_scene
 from graft.datagen.scripted import recorded, start_pose, turned_start
 from graft.datagen.selection import Chooser
-from graft.errors import InputError
 from graft.grasp import Gripper
 from graft.library import Library
 from graft.objects import PartObject
 from graft.sim import PreparedObject, SimulationConfig, prepare
 from graft.trajectory import Segment
 
-ENVIRONMENT = "graft/Lift-v0"
-"""What episodes call the environment."""
+ENVIRONMENTS: dict[Task, str] = {"lift": "graft/Lift-v0", "pour": "graft/Pour-v0"}
+"""What episodes call the environment of a task."""
 
 
 def derived_seed(*what: str | int) -> int:
@@ -110,6 +109,13 @@ def attempt_name(task: str, obj: str, number: int) -> str:
     return f"{task}_{obj}_{number:05d}"
 
 
+def bounds_of(prepared: PreparedObject, config: GenerationConfig, physics: SimulationConfig) -> Bounds:
+    """Return what a success of a task on an object must keep within."""
+    if config.task == "lift":
+        return Bounds.of(config.height, physics)
+    return Bounds.of(config.height, physics, config.tilt, spout_of(prepared.object, prepared.body.center_of_mass))
+
+
 @dataclass(frozen=True)
 class _Draw:
     """What an attempt's scene is: the same for every method."""
@@ -163,7 +169,7 @@ def run_attempt(
     result = Attempt(label, name, number, seed, plan.outcome, plan.reason, source.name)
     if plan.outcome is AttemptOutcome.SUCCESS:
         xml, compiled = episode_scene(prepared.body, scene.physics, gripper)
-        judge = Judge(Bounds.of(config.height, scene.physics))
+        judge = Judge(bounds_of(prepared, config, scene.physics))
         rollout = Rollout(compiled, scene.physics.timeout, judge)
         replay = Execution(rollout, judge, source, plan, config, np.random.default_rng(seed), target.prepared)
         with compiled.quiet():
@@ -204,7 +210,7 @@ def _episode(
         dones=last,
         model_xml=xml,
         env_args={
-            "env_name": ENVIRONMENT,
+            "env_name": ENVIRONMENTS[settings["task"]],
             "env_kwargs": {"control_freq": CONTROL_RATE, "gripper": gripper.name, "object": obj.name},
         },
         seed=seed,
@@ -213,15 +219,3 @@ def _episode(
         source=source,
         settings=settings,
     )
-
-
-def checked_force(gripper: Gripper, physics: SimulationConfig) -> None:
-    """Refuse a closing force that the gripper does not give.
-
-    Raises:
-        InputError: It does not.
-    """
-    if physics.force > gripper.max_force:
-        raise InputError(
-            f"force: gripper {gripper.name!r} gives at most {gripper.max_force:g} N a finger, got {physics.force:g}"
-        )

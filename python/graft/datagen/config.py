@@ -8,13 +8,14 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from graft.errors import InputError
+from graft.grasp import Gripper
 from graft.motion import MotionConfig
 from graft.sim import SimulationConfig
 
 Selection = Literal["graft", "random", "nearest_neighbor_object", "nearest_neighbor_robot_distance"]
 Anchor = Literal["grasp", "object"]
 Reach = Literal["rrt", "linear"]
-Task = Literal["lift"]
+Task = Literal["lift", "pour"]
 
 TASKS: tuple[Task, ...] = get_args(Task)
 
@@ -75,6 +76,7 @@ class GenerationConfig:
         grasps: Most planned grasps to which a reach is planned, best first.
         contacts: Most contacts, in the order of the vote, at which grasps are planned.
         height: Metres that the object must have been lifted by when the hold ends.
+        tilt: Degrees by which a pour must have tilted the spout below the horizontal when the hold ends.
         hold: Seconds at the last target before the outcome is judged.
         random: What each attempt draws.
         physics: Of the simulation and its outcomes.
@@ -92,6 +94,7 @@ class GenerationConfig:
     grasps: int = 10
     contacts: int = 3
     height: float = 0.1
+    tilt: float = 40.0
     hold: float = 1.0
     random: Randomisation = field(default_factory=Randomisation)
     physics: SimulationConfig = field(default_factory=SimulationConfig)
@@ -102,7 +105,7 @@ class GenerationConfig:
         for name, kind in choices:
             if getattr(self, name) not in get_args(kind):
                 raise InputError(f"{name}: expected one of {', '.join(get_args(kind))}, got {getattr(self, name)!r}")
-        for name in ("noise", "settled", "height", "hold"):
+        for name in ("noise", "settled", "height", "tilt", "hold"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
                 raise InputError(f"{name}: expected a number of at least 0, got {value}")
@@ -133,3 +136,15 @@ def vanilla(
         task=task, select=select, anchor="object", reach="linear", noise=noise,
         random=random or Randomisation(), physics=physics or SimulationConfig(),
     )  # fmt: skip
+
+
+def checked_force(gripper: Gripper, physics: SimulationConfig) -> None:
+    """Refuse a closing force that the gripper does not give.
+
+    Raises:
+        InputError: It does not.
+    """
+    if physics.force > gripper.max_force:
+        raise InputError(
+            f"force: gripper {gripper.name!r} gives at most {gripper.max_force:g} N a finger, got {physics.force:g}"
+        )

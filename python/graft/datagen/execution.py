@@ -9,7 +9,7 @@ from graft.checks import Floats
 from graft.datagen.config import CONTROL_RATE, GenerationConfig
 from graft.datagen.judge import Judge
 from graft.datagen.reach import Plan
-from graft.datagen.retarget import CLOSING, HOLD, Source, carried, retargeted, upright_frame
+from graft.datagen.retarget import CLOSING, HOLD, Source, carried, retargeted, spout_of, upright_frame
 from graft.datagen.rollout import Rollout
 from graft.datagen.rotations import interpolated, rotation_vector
 from graft.sim import PreparedObject
@@ -41,6 +41,7 @@ class Execution:
     ) -> None:  # fmt: skip
         self.rollout, self.judge, self.source, self.plan = rollout, judge, source, plan
         self.config, self.rng, self.prepared = config, rng, prepared
+        self.spout = spout_of(prepared.object, prepared.body.center_of_mass)
         self.segments: list[Segment] = []
         self._grip = plan.grip if plan.grip is not None else float(source.trajectory.gripper[0])
 
@@ -94,7 +95,8 @@ class Execution:
         if index <= source.reach:
             return retargeted(given, source.object_pose(index) @ source.grasp, grasp)
         center = now[:3, :3] @ self.prepared.body.center_of_mass + now[:3, 3]
-        upright = upright_frame(grasp[:3, 3], center)
+        front = None if self.spout is None else now[:3, :3] @ self.spout
+        upright = upright_frame(grasp[:3, 3], center, front)
         return carried(given, source.upright(index), upright, rollout.target)
 
     def _settle(self, target: Floats) -> None:

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from graft import __version__
-from graft.datagen.attempt import Attempt, checked_force
-from graft.datagen.config import GenerationConfig
+from graft.datagen.attempt import Attempt
+from graft.datagen.config import GenerationConfig, checked_force
 from graft.datagen.durable import make_folder, put
 from graft.datagen.episode import SUCCESS
 from graft.datagen.export import export_episodes
@@ -130,7 +130,7 @@ def generate(
         MissingExtraError: mujoco or h5py is not installed.
     """
     config, out = config or GenerationConfig(), Path(out)
-    _check(library, objects, n, workers, seed)
+    _check(library, objects, config, n, workers, seed)
     checked_force(gripper, config.physics)
     make_folder(out)
     work = Work(library, tuple(objects), gripper, config, seed)
@@ -165,10 +165,12 @@ def generate(
     return tally
 
 
-def _check(library: Library, objects: Sequence[PartObject], n: int, workers: int, seed: int) -> None:
+def _check(
+    library: Library, objects: Sequence[PartObject], config: GenerationConfig, n: int, workers: int, seed: int
+) -> None:
     if not len(library):
         raise InputError("library: it is empty, add a demonstration first")
-    replayable(library)
+    replayable(library, config.task)
     if not objects:
         raise InputError("objects: expected at least one, got none")
     twice = [name for name, count in Counter(obj.name for obj in objects).items() if count > 1]

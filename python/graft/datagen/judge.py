@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from graft.checks import Floats
-from graft.datagen.retarget import CLOSING
+from graft.datagen.retarget import CLOSING, LEVEL
 from graft.datagen.rollout import Rollout
 from graft.sim import SimulationConfig
 from graft.sim.poses import displacement
@@ -36,6 +36,8 @@ class AttemptOutcome(StrEnum):
     """After a lift of `secured_height` not both fingers carried."""
     SLIPPAGE = "slippage"
     """Secured, but lost, lagging or slipped at the end."""
+    NOT_POURED = "not_poured"
+    """Held at the end, but not tilted towards its front as far as asked."""
     UNSTABLE = "unstable"
     """The object does not stand, the simulation diverged, or the worker died."""
     INVALID = "invalid"
@@ -52,6 +54,8 @@ class Bounds:
         least_force: Newtons.
         slip_distance: Metres.
         slip_angle: Degrees.
+        tilt: Degrees by which the front must point below the horizontal at the end; 0 asks for none.
+        front: (3,) of the object, its frame; None is from the hand to the centre of mass when it closes. Levelled.
     """
 
     height: float
@@ -59,11 +63,16 @@ class Bounds:
     least_force: float = SimulationConfig.least_force
     slip_distance: float = SimulationConfig.slip_distance
     slip_angle: float = SimulationConfig.slip_angle
+    tilt: float = 0.0
+    front: tuple[float, ...] | None = None
 
     @classmethod
-    def of(cls, height: float, physics: SimulationConfig) -> Bounds:
+    def of(cls, height: float, physics: SimulationConfig, tilt: float = 0.0, front: Floats | None = None) -> Bounds:
         """Return the bounds of a simulation."""
-        return cls(height, physics.secured_height, physics.least_force, physics.slip_distance, physics.slip_angle)
+        return cls(
+            height, physics.secured_height, physics.least_force, physics.slip_distance, physics.slip_angle,
+            tilt, None if front is None else tuple(front.tolist()),
+        )  # fmt: skip
 
     def document(self) -> dict[str, Any]:
         """Return the bounds for JSON."""
@@ -79,6 +88,7 @@ class Judge:
         self.lost = False
         self._height: float | None = None
         self._begun: Floats | None = None
+        self._hand = np.eye(4)
         self._secured: tuple[float, float] | None = None
         self._reference: tuple[Floats, Floats] | None = None
         self._forces: list[tuple[float, float]] = []
@@ -90,6 +100,7 @@ class Judge:
             if rollout.grips[-1] <= CLOSING:
                 return
             self._height, self._begun = float(rollout.hands[-2][2, 3]), rollout.objects[-2]
+            self._hand = rollout.hands[-2]
         assert self._begun is not None
         self._forces.append(scene.finger_forces())
         pose = rollout.objects[-1]
@@ -130,7 +141,24 @@ class Judge:
             return AttemptOutcome.SLIPPAGE, f"it slipped {1000 * slip:.1f} mm between the fingers"
         if angle > bounds.slip_angle:
             return AttemptOutcome.SLIPPAGE, f"it turned {angle:.0f} degrees in the hand"
+        if bounds.tilt > 0:
+            tilted = self._tilted(rollout.objects[-1], self._begun, scene.center_of_mass)
+            if tilted < bounds.tilt:
+                return AttemptOutcome.NOT_POURED, f"tilted by {tilted:.0f} of {bounds.tilt:.0f} degrees"
         return AttemptOutcome.SUCCESS, "held"
+
+    def _tilted(self, now: Floats, begun: Floats, center: Floats) -> float:
+        """Return by how many degrees the front, level when the gripper closed, points below the horizontal."""
+        if self.bounds.front is None:
+            front = begun[:3, :3] @ center + begun[:3, 3] - self._hand[:3, 3]
+        else:
+            front = begun[:3, :3] @ np.array(self.bounds.front)
+        level = np.array([front[0], front[1], 0.0])
+        length = float(np.linalg.norm(level))
+        if length < LEVEL:
+            return 0.0
+        turned = now[:3, :3] @ begun[:3, :3].T @ (level / length)
+        return float(np.degrees(np.arcsin(np.clip(-turned[2], -1.0, 1.0))))
 
     def _mean(self) -> tuple[float, float]:
         left, right = np.mean(self._forces[-CHECKED:], axis=0)

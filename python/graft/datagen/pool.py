@@ -60,7 +60,7 @@ class Maker:
 
     def __init__(self, work: Work) -> None:
         self.work = work
-        self._sources: dict[str, Source] = replayable(work.library)
+        self._sources: dict[str, Source] = replayable(work.library, work.config.task)
         self._targets: OrderedDict[int, Target | str] = OrderedDict()
 
     def make(self, index: int) -> Attempt:

@@ -110,6 +110,9 @@ def replay_episode(episode: Episode) -> Replayed:
 
 def _bounds(settings: Any) -> Bounds:
     try:
-        return Bounds(**{name: float(value) for name, value in settings["bounds"].items()})
+        bounds = dict(settings["bounds"])
+        front = bounds.pop("front")
+        numbers = {name: float(value) for name, value in bounds.items()}
+        return Bounds(**numbers, front=None if front is None else tuple(map(float, front)))
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError("its settings have no bounds of a success: graft did not generate it") from None

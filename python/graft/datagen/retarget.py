@@ -17,7 +17,7 @@ import numpy as np
 from graft.checks import Floats
 from graft.datagen.rotations import inverse
 from graft.errors import InputError
-from graft.objects import Demonstration
+from graft.objects import Demonstration, PartObject
 from graft.trajectory import CLOSE, DEMONSTRATED, OPEN, Segment, Trajectory
 
 HOLD = "hold"
@@ -29,6 +29,9 @@ STRAIGHT = 0.08
 
 CLOSING = (OPEN + CLOSE) / 2
 """An action above this closes the gripper."""
+
+SPOUT = "spout"
+"""What the part is called that an object pours from."""
 
 LEVEL = 1e-3
 """Metres: a grasp straight above or below the centre of mass has no heading."""
@@ -51,9 +54,22 @@ def carried(targets: Floats, T_upright_source: Floats, T_upright_new: Floats, T_
     return moved
 
 
-def upright_frame(place: Floats, center: Floats) -> Floats:
-    """Return the frame (4, 4) at `place` (3,) with z up and x towards `center` (3,), world x where that is above it."""
-    heading = center[:2] - place[:2]
+def spout_of(obj: PartObject, center: Floats) -> Floats | None:
+    """Return where an object pours, from `center` (3,) to the middle of its spout's box (3,); None without a spout."""
+    for part in obj.parts:
+        if SPOUT in (part.name, part.label):
+            middle: Floats = part.vertices.min(axis=0) / 2 + part.vertices.max(axis=0) / 2 - center
+            return middle
+    return None
+
+
+def upright_frame(place: Floats, center: Floats, front: Floats | None = None) -> Floats:
+    """Return the frame (4, 4) at `place` (3,) with z up and x along `front` (3,); all in world axes.
+
+    Without a front, x points towards `center` (3,): what is taken by a handle on a side faces the other. World x where
+    that is straight above or below.
+    """
+    heading = center[:2] - place[:2] if front is None else front[:2]
     length = float(np.linalg.norm(heading))
     cos, sin = heading / length if length > LEVEL else (1.0, 0.0)
     frame = np.eye(4)
@@ -72,7 +88,8 @@ class Source:
         reach: Index of the segment in which the gripper closes; those before it are the reach.
         closing: Step in which the gripper is first told to close.
         grasp: (4, 4) T_object_gripper in which the object was taken, metres.
-        center: (3,) of the object's mass where known, else of its box; object frame, metres.
+        center: (3,) of the object's box; object frame, metres.
+        spout: (3,) from there to its spout; None without one.
     """
 
     demonstration: Demonstration
@@ -81,6 +98,7 @@ class Source:
     closing: int
     grasp: Floats
     center: Floats
+    spout: Floats | None = None
 
     @property
     def name(self) -> str:
@@ -100,7 +118,8 @@ class Source:
     def upright(self, index: int) -> Floats:
         """(4, 4) upright frame at the grasp at the start of a segment."""
         pose = self.object_pose(index)
-        return upright_frame((pose @ self.grasp)[:3, 3], pose[:3, :3] @ self.center + pose[:3, 3])
+        front = None if self.spout is None else pose[:3, :3] @ self.spout
+        return upright_frame((pose @ self.grasp)[:3, 3], pose[:3, :3] @ self.center + pose[:3, 3], front)
 
 
 def source_of(demonstration: Demonstration) -> Source:
@@ -116,8 +135,10 @@ def source_of(demonstration: Demonstration) -> Source:
     if DEMONSTRATED not in given.T_world_object:
         raise InputError(f"{where}: its trajectory has no poses of {DEMONSTRATED!r}")
     kept = given.segments[:-1] if given.segments[-1].name == HOLD else given.segments
+    elsewhere = next((i for i, s in enumerate(kept) if s.anchor not in (None, DEMONSTRATED)), len(kept))
+    kept = kept[:elsewhere]
     if not kept:
-        raise InputError(f"{where}: its trajectory has no segment beside {HOLD!r}")
+        raise InputError(f"{where}: its trajectory has no segment of the object that is taken, beside {HOLD!r}")
     trajectory = given.subset(0, kept[-1].end)
     closing = np.flatnonzero(trajectory.gripper > CLOSING)
     opening = np.flatnonzero(trajectory.gripper <= CLOSING)
@@ -132,8 +153,11 @@ def source_of(demonstration: Demonstration) -> Source:
     trajectory = _with_reach(trajectory, step)
     index = next(i for i, s in enumerate(trajectory.segments) if s.start <= step < s.end)
     obj = demonstration.object
-    center = (obj.scale_to_metres or 1.0) * obj.bounds.mean(axis=0)
-    return Source(demonstration, trajectory, index, step, grasp, center)
+    middle, scale = obj.bounds.mean(axis=0), obj.scale_to_metres or 1.0
+    spout = spout_of(obj, middle)
+    return Source(
+        demonstration, trajectory, index, step, grasp, scale * middle, None if spout is None else scale * spout,
+    )  # fmt: skip
 
 
 def _with_reach(trajectory: Trajectory, closing: int) -> Trajectory:

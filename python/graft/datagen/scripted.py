@@ -1,39 +1,31 @@
-"""Demonstrations by script: plan a grasp at a contact, fly there, take the object, lift it; recorded in physics."""
+"""Demonstrations by script: plan a grasp at a contact, fly there, take the object, lift or pour; in physics."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from graft.checks import Floats
-from graft.datagen.config import CONTROL_RATE, REACH
+from graft.datagen.config import CONTROL_RATE, REACH, Task, checked_force
 from graft.datagen.judge import AttemptOutcome, Bounds, Judge
-from graft.datagen.retarget import HOLD
-from graft.datagen.rollout import FINGER_SPEED, Diverged, Rollout, grip_for
-from graft.datagen.rotations import interpolated, inverse, rotation_about
+from graft.datagen.retarget import LEVEL, spout_of
+from graft.datagen.rollout import Diverged, Rollout, grip_for
+from graft.datagen.rotations import inverse, rotation_about
 from graft.datagen.scene import episode_scene
+from graft.datagen.script import LIFT, TILT, closing_actions, script
 from graft.errors import InputError
 from graft.grasp import PANDA_HAND, Grasp, Gripper, metric_scale, plan_grasps
 from graft.motion import Motion, plan_approach
 from graft.objects import Demonstration
 from graft.sim import PreparedObject, SimulationConfig, prepare
-from graft.trajectory import CLOSE, DEMONSTRATED, Segment, Trajectory
+from graft.trajectory import DEMONSTRATED, Segment, Trajectory
 
-STRAIGHT_SPEED = 0.2
-"""Metres a second of the last centimetres and of the lift."""
-
-LIFT = 0.15
-"""Metres that a demonstration lifts by."""
-
-SQUEEZE = 8
-"""Actions that the fingers press before the lift, after the time that the whole stroke takes."""
-
-HELD = 10
-"""Actions that a demonstration holds at the top, half a second."""
-
-TRIED = 10
+TRIED = 20
 """Grasps that are tried, best first, until one holds."""
+
+TOLERANCE = 15.0
+"""Degrees by which an object may hang back in the hand of a demonstrated pour."""
 
 ABOVE, ASIDE = 0.25, 0.2
 """Metres from the table's object to where the hand starts: above half its height, and beside its circle."""
@@ -52,81 +44,33 @@ def start_pose(prepared: PreparedObject) -> Floats:
     return start
 
 
-def closing_actions(gripper: Gripper) -> int:
-    """Return how many actions it takes to close the whole stroke and press."""
-    return int(np.ceil(gripper.stroke / 2 / FINGER_SPEED * CONTROL_RATE)) + SQUEEZE
-
-
-@dataclass(frozen=True, eq=False)
-class Script:
-    """What the hand is told: targets (t, 4, 4), gripper actions (t,), and the stretches by name."""
-
-    targets: Floats
-    grips: Floats
-    segments: tuple[Segment, ...]
-
-
-def lift_script(transit: Floats, grasp: Floats, before: Floats, grip: float, closing: int) -> Script:
-    """Return the script of a lift.
-
-    Args:
-        transit: (t, 4, 4) targets to the pre-grasp, T_world_gripper.
-        grasp: (4, 4) where the gripper closes.
-        before: (4, 4) the pre-grasp.
-        grip: Gripper action on the way.
-        closing: Actions that it closes for.
-    """
-    way = float(np.linalg.norm(grasp[:3, 3] - before[:3, 3]))
-    straight = interpolated(before, grasp, max(1, round(way / STRAIGHT_SPEED * CONTROL_RATE)))
-    straight = np.concatenate([straight, np.repeat(grasp[None], SETTLED, axis=0)])
-    shut = np.repeat(grasp[None], closing, axis=0)
-    steps = round(LIFT / STRAIGHT_SPEED * CONTROL_RATE) + 1
-    # A cosine: the pads need not carry more than the weight at the start.
-    rise = LIFT * (1 - np.cos(np.pi * np.arange(1, steps + 1) / steps)) / 2
-    lift = np.repeat(grasp[None], steps, axis=0)
-    lift[:, 2, 3] += rise
-    hold = np.repeat(lift[-1:], HELD, axis=0)
-    pieces = [transit, np.concatenate([straight, shut]), lift, hold]
-    ends = np.cumsum([len(piece) for piece in pieces]).tolist()
-    starts = [0, *ends[:-1]]
-    names = (("reach", "reached"), ("grasp", "grasped"), ("lift", "lifted"), (HOLD, None))
-    segments = tuple(
-        Segment(name, start, end, DEMONSTRATED, signal)
-        for (name, signal), start, end in zip(names, starts, ends, strict=True)
-    )
-    grips = np.full(ends[-1], CLOSE)
-    grips[: len(transit) + len(straight)] = grip
-    return Script(np.concatenate(pieces), grips, segments)
-
-
-SETTLED = 3
-"""Actions that the hand rests at the grasp before it closes."""
-
-
 def demonstrate(
     shown: Demonstration,
     gripper: Gripper = PANDA_HAND,
     *,
+    task: Task = "lift",
     physics: SimulationConfig | None = None,
     seed: int = 0,
 ) -> Demonstration:
-    """Return a demonstration of lifting, made by script and executed in physics without noise.
+    """Return a demonstration of a task, made by script and executed in physics without noise.
 
     Args:
         shown: The object and where it is taken.
         gripper: The floating hand.
+        task: Lift; or lift and pour, towards the spout or, without one, away from the hand.
         physics: Settings.
         seed: Of the planners.
 
     Returns:
         The same with grasp and trajectory: targets, reached poses, gripper actions, object poses, and the segments
-        reach, grasp, lift and hold with their signals.
+        reach, grasp, lift, for a pour pour, and hold with their signals.
 
     Raises:
         InputError: No grasp of the first `TRIED` held; the message has the last reason.
         MissingExtraError: mujoco is not installed.
     """
     physics = physics or SimulationConfig()
+    checked_force(gripper, physics)
     where = f"object {shown.object.name!r}"
     prepared = prepare(shown.object, physics)
     if not prepared.pose.stable:
@@ -139,13 +83,13 @@ def demonstrate(
         raise InputError(f"{where}: gripper {gripper.name!r} cannot hold it at the contact ({why})")
     reason = ""
     for grasp in grasps:
-        trajectory, reason = _executed(prepared, grasp, physics, seed)
+        trajectory, reason = _executed(prepared, grasp, task, physics, seed)
         if trajectory is not None:
             contact = shown.contact
             if contact.approach is None:
                 contact = replace(contact, approach=grasp.pose[:3, 2])
             metadata = {
-                **shown.metadata, "task": "lift", "gripper": gripper.name, "made_by": "script", "seed": seed,
+                **shown.metadata, "task": task, "gripper": gripper.name, "made_by": "script", "seed": seed,
                 "metres_per_unit": metric_scale(shown.object),
             }  # fmt: skip
             return replace(shown, contact=contact, grasp=grasp.pose, trajectory=trajectory, metadata=metadata)
@@ -153,7 +97,7 @@ def demonstrate(
 
 
 def _executed(
-    prepared: PreparedObject, grasp: Grasp, physics: SimulationConfig, seed: int
+    prepared: PreparedObject, grasp: Grasp, task: Task, physics: SimulationConfig, seed: int
 ) -> tuple[Trajectory | None, str]:
     """Return what was recorded, or None and the reason."""
     placed, start = prepared.T_world_object, start_pose(prepared)
@@ -166,21 +110,34 @@ def _executed(
     transit = placed @ sampled(plan.transit)
     goal = placed @ grasp.pose
     grip = grip_for(plan.opening, grasp.gripper.stroke)
-    script = lift_script(transit, goal, placed @ plan.straight.poses[0], grip, closing_actions(grasp.gripper))
+    front = None
+    if task == "pour":
+        center = prepared.body.center_of_mass
+        spout = spout_of(prepared.object, center)
+        front = placed[:3, :3] @ (center if spout is None else spout)
+        front += 0.0 if spout is not None else placed[:3, 3] - goal[:3, 3]
+        front[2] = 0.0
+        if np.linalg.norm(front) < LEVEL:
+            return None, "the hand is straight above the object, and there is no spout to pour towards"
+    told = script(transit, goal, placed @ plan.straight.poses[0], grip, closing_actions(grasp.gripper), front)
     _, scene = episode_scene(prepared.body, physics, grasp.gripper)
-    judge = Judge(Bounds.of(LIFT - physics.secured_height, physics))
+    height = LIFT - physics.secured_height
+    bounds = Bounds.of(height, physics)
+    if task == "pour":
+        bounds = Bounds.of(height, physics, TILT - TOLERANCE, spout_of(prepared.object, prepared.body.center_of_mass))
+    judge = Judge(bounds)
     rollout = Rollout(scene, physics.timeout, judge)
     with scene.quiet():
         try:
             rollout.begin(placed, start, physics.settle_time)
-            for target, action in zip(script.targets, script.grips, strict=True):
+            for target, action in zip(told.targets, told.grips, strict=True):
                 rollout.toward(target, float(action))
         except Diverged as trouble:
             return None, str(trouble)
         outcome, reason = judge.verdict(rollout)
     if outcome is not AttemptOutcome.SUCCESS:
         return None, f"{outcome}: {reason}"
-    return recorded(rollout, script.segments), ""
+    return recorded(rollout, told.segments), ""
 
 
 def sampled(motion: Motion) -> Floats:

@@ -9,7 +9,7 @@ from numpy.random import Generator
 
 from graft.checks import Floats
 from graft.contact import VOTERS, TransferredContact, agree, transfer_contact
-from graft.datagen.config import Selection
+from graft.datagen.config import TASKS, Selection, Task
 from graft.datagen.retarget import Source, retargeted, source_of
 from graft.datagen.rotations import rotation_vector
 from graft.errors import InputError
@@ -21,15 +21,18 @@ NEAREST = 3
 """MimicGen's nearest neighbours draw from so many (`nn_k`)."""
 
 
-def replayable(library: Library) -> dict[str, Source]:
-    """Return the demonstrations that have a trajectory, by name.
+def replayable(library: Library, task: Task) -> dict[str, Source]:
+    """Return the demonstrations that have a trajectory and are not of another task of `TASKS`, by name.
 
     Raises:
-        InputError: None has, or the trajectory of one cannot be replayed.
+        InputError: None is, or the trajectory of one cannot be replayed.
     """
-    sources = {d.name: source_of(d) for d in library if d.trajectory is not None}
+    others = {other for other in TASKS if other != task}
+    shown = [d for d in library if d.trajectory is not None]
+    sources = {d.name: source_of(d) for d in shown if d.metadata.get("task") not in others}
     if not sources:
-        raise InputError("library: no demonstration has a trajectory to replay; graft demonstrate makes such")
+        what = "a trajectory to replay" if not shown else f"a trajectory of the task {task!r}"
+        raise InputError(f"library: no demonstration has {what}; graft demonstrate makes such")
     return sources
 
 

@@ -16,8 +16,8 @@ from typing import Any
 
 import graft
 from graft import zoo
-from graft.datagen.attempt import Target, checked_force, run_attempt
-from graft.datagen.config import GenerationConfig, vanilla
+from graft.datagen.attempt import Target, run_attempt
+from graft.datagen.config import GenerationConfig, checked_force, vanilla
 from graft.datagen.judge import AttemptOutcome
 from graft.datagen.scripted import demonstrate
 from graft.datagen.selection import replayable
@@ -156,8 +156,9 @@ class Field:
 
     def rows(self, number: int) -> list[GenerationRow]:
         """Make all attempts on object `number`."""
-        physics = next(iter(self.methods.values())).physics
-        target = Target.lay(self.objects[number], self.library, replayable(self.library), physics)
+        base = next(iter(self.methods.values()))
+        sources = replayable(self.library, base.task)
+        target = Target.lay(self.objects[number], self.library, sources, base.physics)
         rows = []
         for attempt in range(self.attempts):
             for method, config in self.methods.items():
