@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 from generation_scenes import library, targets
 
 pytest.importorskip("mujoco")
@@ -12,9 +13,13 @@ from graft.datagen.attempt import Target, derived_seed, draw_scene, run_attempt
 from graft.datagen.config import GenerationConfig, Randomisation, vanilla
 from graft.datagen.judge import AttemptOutcome
 from graft.datagen.rotations import inverse
+from graft.datagen.scripted import demonstrate
 from graft.datagen.selection import replayable
 from graft.errors import InputError
 from graft.grasp import PANDA_HAND, ROBOTIQ_2F85
+from graft.library import Library
+from graft.marking import mark_contact
+from graft.objects import Part, PartObject
 from graft.sim import SimulationConfig
 from graft.trajectory import DEMONSTRATED
 
@@ -98,7 +103,25 @@ def test_mimicgens_selections_lead_to_grasps(laid, select):
 def test_what_is_too_wide_gives_no_grasp(laid):
     made = run_attempt(laid["wide"], PANDA_HAND, GenerationConfig(), run=0, number=0)
     assert (made.outcome, made.steps) == (AttemptOutcome.NO_GRASP, 0)
-    assert made.reason.startswith("no grasp near the contact: ")
+    assert made.reason.startswith("no grasp on the contact's part: ")
+
+
+def test_where_nothing_near_the_contact_holds_its_part_is_taken_elsewhere():
+    plate, post = trimesh.creation.box((0.2, 0.2, 0.01)), trimesh.creation.box((0.03, 0.05, 0.12))
+    plate.apply_translation((0, 0, 0.005))
+    post.apply_translation((0, 0, 0.07))
+    both = trimesh.util.concatenate([plate, post])
+    obj = PartObject("stand", (Part("all", both.vertices, both.faces),), up=(0, 0, 1), scale_to_metres=1.0)
+    edge = mark_contact(obj, 0, (0.1, 0.09, 0.005))
+    made = demonstrate(edge)
+    assert np.linalg.norm(made.contact.point[:2]) < 0.03 < made.contact.point[2]
+    shown = Library()
+    shown.add(replace(made, contact=edge.contact))
+    target = Target.lay(obj, shown, replayable(shown, "lift"), SimulationConfig())
+    assert run_attempt(target, PANDA_HAND, GenerationConfig(), run=0, number=0).outcome is AttemptOutcome.SUCCESS
+    strict = run_attempt(target, PANDA_HAND, GenerationConfig(anywhere=False), run=0, number=0)
+    assert strict.outcome is AttemptOutcome.NO_GRASP
+    assert strict.reason.startswith("no grasp near the contact")
 
 
 def test_slippery_is_a_failure_with_a_reason(laid):

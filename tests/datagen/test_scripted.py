@@ -57,7 +57,9 @@ def test_another_gripper_demonstrates():
 
 
 def test_what_no_gripper_holds_is_one_line():
-    with pytest.raises(InputError, match="object 'wide': gripper 'panda_hand' cannot hold it at the contact"):
+    with pytest.raises(
+        InputError, match="object 'wide': gripper 'panda_hand' cannot hold its part 'body' as it stands"
+    ):
         demonstrate(shown("wide", 0.2, 0.2, 0.1))
 
 

@@ -75,6 +75,8 @@ class GenerationConfig:
         settled: Metres from its target within which the hand is at rest.
         grasps: Most planned grasps to which a reach is planned, best first.
         contacts: Most contacts, in the order of the vote, at which grasps are planned.
+        anywhere: Whether the part that a contact lies on is taken anywhere else where nothing near the contacts can be
+            held and reached: the contact of an object that lies may face the table.
         height: Metres that the object must have been lifted by when the hold ends.
         tilt: Degrees by which a pour must have tilted the spout below the horizontal when the hold ends.
         hold: Seconds at the last target before the outcome is judged.
@@ -93,6 +95,7 @@ class GenerationConfig:
     settled: float = 0.002
     grasps: int = 10
     contacts: int = 3
+    anywhere: bool = True
     height: float = 0.1
     tilt: float = 40.0
     hold: float = 1.0

@@ -12,9 +12,10 @@ from graft.datagen.judge import AttemptOutcome
 from graft.datagen.retarget import Source, retargeted
 from graft.datagen.rollout import grip_for
 from graft.datagen.rotations import inverse
-from graft.datagen.scripted import sampled
+from graft.datagen.scripted import THOROUGH, sampled
 from graft.grasp import Gripper, plan_grasps
 from graft.motion import plan_approach, plan_motion
+from graft.objects import Contact
 from graft.sim import PreparedObject
 
 SEEDS = 2**31
@@ -86,14 +87,17 @@ def _to_grasp(
     config: GenerationConfig,
     seed: int,
 ) -> Plan:
-    """Plan to the first grasp that can be reached, contact by contact."""
+    """Plan to the first grasp that can be reached, contact by contact, then part by part."""
     if not contacts:
         return Plan(AttemptOutcome.NO_SOURCE, "no contact lands on it")
     why, blocked = "no candidate", ""
-    for transferred in contacts:
+    places: list[tuple[Contact | None, int]] = [(t.contact, t.target_part) for t in contacts]
+    if config.anywhere:
+        places += [(None, part) for part in dict.fromkeys(part for _, part in places)]
+    for contact, part in places:
         grasps = plan_grasps(
-            prepared.object, transferred.contact, gripper,
-            support=prepared.support, k=config.grasps, seed=seed % SEEDS,
+            prepared.object, contact, gripper,
+            part=part, support=prepared.support, planner=THOROUGH, k=config.grasps, seed=seed % SEEDS,
         )  # fmt: skip
         if not len(grasps):
             why = max(grasps.rejected, key=lambda name: grasps.rejected[name], default=why)
@@ -111,4 +115,5 @@ def _to_grasp(
             blocked = approach.reason
     if blocked:
         return Plan(AttemptOutcome.NO_MOTION, blocked)
-    return Plan(AttemptOutcome.NO_GRASP, f"no grasp near the contact: {why}")
+    where = "on the contact's part" if config.anywhere else "near the contact"
+    return Plan(AttemptOutcome.NO_GRASP, f"no grasp {where}: {why}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +17,16 @@ from graft.datagen.scene import episode_scene
 from graft.datagen.script import LIFT, TILT, closing_actions, script
 from graft.errors import InputError
 from graft.grasp import PANDA_HAND, Grasp, Gripper, metric_scale, plan_grasps
+from graft.grasp.planner import AntipodalPlanner
+from graft.marking import mark_contact
 from graft.motion import Motion, plan_approach
-from graft.objects import Demonstration
+from graft.objects import Contact, Demonstration
 from graft.sim import PreparedObject, SimulationConfig, prepare
 from graft.trajectory import DEMONSTRATED, Segment, Trajectory
+
+THOROUGH = AntipodalPlanner(samples=400, pairs=300)
+"""What plans grasps: the default's 48 pairs are chosen before the table is looked at, and of what lies on it nearly all
+pairs run from the table upwards."""
 
 TRIED = 20
 """Grasps that are tried, best first, until one holds."""
@@ -62,11 +69,12 @@ def demonstrate(
         seed: Of the planners.
 
     Returns:
-        The same with grasp and trajectory: targets, reached poses, gripper actions, object poses, and the segments
+        The same with grasp and trajectory, taken elsewhere on the contact's part, and the contact there, where nothing
+        near it holds as the object stands: targets, reached poses, gripper actions, object poses, and the segments
         reach, grasp, lift, for a pour pour, and hold with their signals.
 
     Raises:
-        InputError: No grasp of the first `TRIED` held; the message has the last reason.
+        InputError: No grasp of the first `TRIED` at the contact and on its part held; the message has the last reason.
         MissingExtraError: mujoco is not installed.
     """
     physics = physics or SimulationConfig()
@@ -75,25 +83,39 @@ def demonstrate(
     prepared = prepare(shown.object, physics)
     if not prepared.pose.stable:
         raise InputError(f"{where}: no pose in which it stands was found")
-    grasps = plan_grasps(
-        shown.object, shown.contact, gripper, support=prepared.support, k=TRIED, seed=seed,
-    )  # fmt: skip
-    if not len(grasps):
-        why = max(grasps.rejected, key=lambda name: grasps.rejected[name], default="no candidate")
-        raise InputError(f"{where}: gripper {gripper.name!r} cannot hold it at the contact ({why})")
-    reason = ""
-    for grasp in grasps:
-        trajectory, reason = _executed(prepared, grasp, task, physics, seed)
-        if trajectory is not None:
-            contact = shown.contact
-            if contact.approach is None:
-                contact = replace(contact, approach=grasp.pose[:3, 2])
-            metadata = {
-                **shown.metadata, "task": task, "gripper": gripper.name, "made_by": "script", "seed": seed,
-                "metres_per_unit": metric_scale(shown.object),
-            }  # fmt: skip
-            return replace(shown, contact=contact, grasp=grasp.pose, trajectory=trajectory, metadata=metadata)
-    raise InputError(f"{where}: none of {len(grasps)} grasps held; the last: {reason}")
+    tried, reason = 0, ""
+    for contact in (shown.contact, None):
+        grasps = plan_grasps(
+            shown.object, contact, gripper, part=shown.contact.part, support=prepared.support, planner=THOROUGH,
+            k=TRIED, seed=seed,
+        )  # fmt: skip
+        for grasp in grasps:
+            trajectory, reason = _executed(prepared, grasp, task, physics, seed)
+            if trajectory is not None:
+                return _shown(shown, contact, grasp, trajectory, {"task": task, "made_by": "script", "seed": seed})
+        tried += len(grasps)
+        if not tried:
+            reason = max(grasps.rejected, key=lambda name: grasps.rejected[name], default="no candidate")
+    part = shown.object.parts[shown.contact.part].name
+    if not tried:
+        raise InputError(f"{where}: gripper {gripper.name!r} cannot hold its part {part!r} as it stands ({reason})")
+    raise InputError(f"{where}: none of {tried} grasps held; the last: {reason}")
+
+
+def _shown(
+    shown: Demonstration, contact: Contact | None, grasp: Grasp, trajectory: Trajectory, how: dict[str, Any]
+) -> Demonstration:
+    """Return the demonstration; where the object was taken elsewhere, its contact is there."""
+    metadata = {**shown.metadata, **how, "gripper": grasp.gripper.name}
+    if contact is None:
+        place = grasp.contacts[0] / metric_scale(shown.object)
+        made = mark_contact(
+            shown.object, shown.contact.part, place, approach=grasp.pose[:3, 2], name=shown.name, metadata=metadata
+        )
+        return replace(made, grasp=grasp.pose, trajectory=trajectory)
+    if contact.approach is None:
+        contact = replace(contact, approach=grasp.pose[:3, 2])
+    return replace(shown, contact=contact, grasp=grasp.pose, trajectory=trajectory, metadata=metadata)
 
 
 def _executed(
