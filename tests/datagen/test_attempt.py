@@ -61,6 +61,9 @@ def test_noise_is_in_the_actions_and_can_be_switched_off(laid):
     # The lift goes straight up: what is sideways is noise, of the size that was asked for.
     sideways = [e.actions[s.start : s.end, :2].std() for e, s in zip((still, noisy), lift, strict=True)]
     assert sideways[0] < 0.015 < 0.03 < sideways[1] < 0.12
+    # What the controller was told has the noise, too.
+    told = [e.trajectory.T_world_target[s.start : s.end, :2, 3] for e, s in zip((still, noisy), lift, strict=True)]
+    assert np.diff(told[0], axis=0).std() < 0.001 < np.diff(told[1], axis=0).std()
     hold = noisy.trajectory.segments[-1]
     assert np.abs(noisy.actions[hold.end - 5 : hold.end, :6]).max() < 0.02
 

@@ -19,7 +19,7 @@ from graft.datagen.reach import plan_reach
 from graft.datagen.retarget import Source, spout_of
 from graft.datagen.rollout import Diverged, Rollout
 from graft.datagen.scene import episode_scene
-from graft.datagen.scripted import recorded, start_pose, turned_start
+from graft.datagen.scripted import recorded, start_pose
 from graft.datagen.selection import Chooser
 from graft.grasp import Gripper
 from graft.library import Library
@@ -133,7 +133,8 @@ def draw_scene(prepared: PreparedObject, config: GenerationConfig, seed: int) ->
     turn = np.eye(4)
     turn[:2, :2] = (np.cos(yaw), -np.sin(yaw)), (np.sin(yaw), np.cos(yaw))
     turn[:2, 3] = ranges.place * u[1:3]
-    start = turned_start(start_pose(prepared), ranges.start * u[3:6], 0.0)
+    start = start_pose(prepared)
+    start[:3, 3] += ranges.start * u[3:6]
     physics = config.physics
     for name, pair, share in (("mass", ranges.mass, u[6]), ("friction", ranges.friction, u[7])):
         if pair is not None:

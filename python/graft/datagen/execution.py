@@ -60,7 +60,7 @@ class Execution:
             self._segment(index)
             if self.judge.lost:
                 break
-        last = self.rollout.target
+        last = self.rollout.aim
         for _ in range(round(config.hold * CONTROL_RATE)):
             if self.judge.lost:
                 break
@@ -72,8 +72,8 @@ class Execution:
         source, rollout, config = self.source, self.rollout, self.config
         segment = source.trajectory.segments[index]
         targets = self._targets(index)
-        if _apart(rollout.target, targets[0]):
-            for target in interpolated(rollout.target, targets[0], config.interpolation):
+        if _apart(rollout.aim, targets[0]):
+            for target in interpolated(rollout.aim, targets[0], config.interpolation):
                 rollout.toward(target, self._grip)
         grips = source.trajectory.gripper[segment.start : segment.end]
         for target, told in zip(targets, grips, strict=True):
@@ -97,7 +97,7 @@ class Execution:
         center = now[:3, :3] @ self.prepared.body.center_of_mass + now[:3, 3]
         front = None if self.spout is None else now[:3, :3] @ self.spout
         upright = upright_frame(grasp[:3, 3], center, front)
-        return carried(given, source.upright(index), upright, rollout.target)
+        return carried(given, source.upright(index), upright, rollout.aim)
 
     def _settle(self, target: Floats) -> None:
         """Wait at a target, without noise, until the hand is there."""

@@ -95,7 +95,7 @@ def replay_episode(episode: Episode) -> Replayed:
                 difference = float(np.abs(rollout.state() - episode.states[step]).max())
                 if not difference <= worst:
                     worst, where = difference, step
-                rollout.act(action, episode.trajectory.T_world_target[step])
+                rollout.act(action)
             outcome, reason = judge.verdict(rollout)
         except ValueError as error:
             raise InputError(f"states: {error}") from None

@@ -55,6 +55,7 @@ class Rollout:
         self.stroke = float(2 * scene.model.jnt_range[scene.model.joint("finger_left").id, 1])
         self._servo = scene.model.actuator("fingers").id
         self.steps = round(1 / (CONTROL_RATE * scene.model.opt.timestep))
+        self._aim: Floats | None = None
         self.actions: list[Floats] = []
         self.targets: list[Floats] = []
         self.grips: list[float] = []
@@ -91,9 +92,9 @@ class Rollout:
         return state
 
     @property
-    def target(self) -> Floats:
-        """(4, 4) where the hand was last sent; where it is before the first action."""
-        return self.targets[-1] if self.targets else self.hands[-1]
+    def aim(self) -> Floats:
+        """(4, 4) where the hand was last wanted, without noise; where it is before the first action."""
+        return self.hands[-1] if self._aim is None else self._aim
 
     def toward(self, target: Floats, grip: float, noise: float = 0.0, rng: Generator | None = None) -> None:
         """Act so that the hand is at `target` (4, 4) next, as far as one action can; noise comes on top, clipped."""
@@ -104,22 +105,25 @@ class Rollout:
         action[6] = grip
         if noise > 0 and rng is not None:
             action[:6] += noise * rng.standard_normal(6)
-        self.act(np.clip(action, -1.0, 1.0), target)
+        self._aim = target
+        self.act(np.clip(action, -1.0, 1.0))
 
-    def act(self, action: Floats, target: Floats) -> None:
-        """Apply an action (7,) and record it; `target` (4, 4) is what it was meant to reach.
+    def act(self, action: Floats) -> None:
+        """Apply an action (7,) and record it, and as target the pose that it sends the hand to.
 
         Raises:
             Diverged: The numbers explode, MuJoCo warns, or time is up.
         """
         self.states.append(self.state())
         self.actions.append(np.array(action))
-        self.targets.append(np.array(target))
         self.grips.append(float(action[6]))
         scene, data = self.scene, self.scene.data
         hand = self.hands[-1]
         place = hand[:3, 3] + LARGEST_MOVE * action[:3]
         rotation = rotation_about(LARGEST_TURN * action[3:6]) @ hand[:3, :3]
+        target = np.eye(4)
+        target[:3, :3], target[:3, 3] = rotation, place
+        self.targets.append(target)
         begin = np.array(data.mocap_pos[0])
         flat = np.empty(9)
         scene.mj.mju_quat2Mat(flat, np.array(data.mocap_quat[0]))

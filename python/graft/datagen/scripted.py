@@ -12,7 +12,7 @@ from graft.datagen.config import CONTROL_RATE, REACH, Task, checked_force
 from graft.datagen.judge import AttemptOutcome, Bounds, Judge
 from graft.datagen.retarget import LEVEL, spout_of
 from graft.datagen.rollout import Diverged, Rollout, grip_for
-from graft.datagen.rotations import inverse, rotation_about
+from graft.datagen.rotations import inverse
 from graft.datagen.scene import episode_scene
 from graft.datagen.script import LIFT, TILT, closing_actions, script
 from graft.errors import InputError
@@ -179,11 +179,3 @@ def recorded(rollout: Rollout, segments: tuple[Segment, ...]) -> Trajectory:
         T_world_object={DEMONSTRATED: np.array(rollout.objects[:count])},
         segments=segments,
     )
-
-
-def turned_start(start: Floats, offset: Floats, yaw: float) -> Floats:
-    """Return a start (4, 4) moved by `offset` (3,) metres and turned about its z by `yaw` radians."""
-    moved = np.array(start)
-    moved[:3, 3] += offset
-    moved[:3, :3] = moved[:3, :3] @ rotation_about(np.array([0.0, 0.0, yaw]))
-    return moved
