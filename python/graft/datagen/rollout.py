@@ -1,6 +1,7 @@
 """The hand under delta actions, as robosuite's OSC_POSE takes them, and the record of what it did.
 
 An action (7,) in [-1, 1] is a move and a turn of the hand from where it is, in world axes, and what the fingers do.
+The hand lags by a third of a step, 17 ms; the next action begins where it is.
 All that the controller remembers is in MuJoCo's state, so that a state and the actions after it run again to the bit.
 """
 
