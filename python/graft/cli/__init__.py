@@ -22,9 +22,12 @@ VERBS = {
     "transfer": ("TransferCommand", "Transfer a contact from a library of demonstrations to an object."),
     "grasp": ("GraspCommand", "Plan grasps of an object near a contact, on a part, or anywhere."),
     "simulate": ("Simulate", "Try grasps of an object in physics; pictures, films, JSON."),
+    "demonstrate": ("Demonstrate", "Make demonstrations by script, in physics, as a library to generate from."),
+    "generate": ("Generate", "Replay demonstrations on other objects and keep what succeeds as training data."),
+    "replay": ("Replay", "Run episodes again from their own file; check states and outcome."),
     "export": ("Export", "Copy episodes between robomimic's HDF5 and LeRobot datasets."),
     "library": ("LibraryCommand", "Keep demonstrations on disk: build, add, ls, show, verify, compact, export ..."),
-    "evaluate": ("Evaluate", "Measure transferred contacts: affordance, ablation, diversity."),
+    "evaluate": ("Evaluate", "Measure: affordance, ablation, diversity, segmentation, simulation, generation."),
 }
 """Verb -> (class in graft.cli.<verb>, one line of help)."""
 

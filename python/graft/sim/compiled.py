@@ -27,10 +27,25 @@ class CompiledScene:
     """Model and state of a scene."""
 
     def __init__(self, body: Body, config: SimulationConfig, gripper: Gripper, looks: PartObject | None = None) -> None:
+        self._attach(scene_spec(body, config, gripper, looks).compile(), np.array(body.center_of_mass))
+
+    @classmethod
+    def from_xml(cls, xml: str) -> CompiledScene:
+        """Return the scene that MJCF text describes, with bodies and actuator named as `scene_spec` names them.
+
+        Raises:
+            ValueError: It is no MJCF.
+        """
+        model = load_mujoco().MjModel.from_xml_string(xml)
+        scene = cls.__new__(cls)
+        scene._attach(model, np.array(model.body("object").ipos))
+        return scene
+
+    def _attach(self, model: Any, center_of_mass: Floats) -> None:
         self.mj = load_mujoco()
-        self.model = scene_spec(body, config, gripper, looks).compile()
+        self.model = model
         self.data = self.mj.MjData(self.model)
-        self.center_of_mass = np.array(body.center_of_mass)
+        self.center_of_mass = center_of_mass
         names = self.mj.mjtObj.mjOBJ_BODY
         ids = {n: self.mj.mj_name2id(self.model, names, n) for n in ("object", "hand", "finger_left", "finger_right")}
         self._thing = ids["object"]
@@ -53,6 +68,10 @@ class CompiledScene:
         self.lead(T_world_hand[:3, 3], T_world_hand[:3, :3])
         self.mj.mj_forward(self.model, self.data)
         self._clock = 0.0
+
+    def resume(self) -> None:
+        """Take the clock as it is: the state was set from outside."""
+        self._clock = self.data.time
 
     def lead(self, place: Floats, rotation: Floats | None = None) -> None:
         """Set where the hand shall be: its place (3,), and its rotation (3, 3) where it changes."""
