@@ -17,10 +17,10 @@ demo: $(VENV)/.demo  ## Set up, then transfer contacts to unseen objects; pictur
 
 test: $(VENV)/.dev  ## Set up, then run the tests (Rust, Python, doctests, README, examples)
 	cargo test --workspace --quiet
-	$(BIN)/pytest -m "not slow"
+	$(BIN)/pytest -n auto -m "not slow"
 
 test-slow: $(VENV)/.dev  ## The tests that `make test` leaves out
-	$(BIN)/pytest -m slow
+	$(BIN)/pytest -n auto -m slow
 
 lint: $(VENV)/.dev  ## Formatting, clippy, ruff, mypy, stubtest, import contract
 	cargo fmt --check
@@ -39,6 +39,8 @@ bench: $(VENV)/.dev  ## Benchmarks against peers; SHARED=folder of labelled obje
 	$(BIN)/python benches/descriptor.py $(if $(SHARED),--objects $(SHARED))
 	$(BIN)/python benches/transport.py
 	$(BIN)/python benches/pipeline.py $(SHARED)
+	$(BIN)/python benches/simulation.py
+	$(BIN)/python benches/generation.py
 
 verify-formats: $(VENV)/.dev  ## robomimic's and LeRobot's own loaders read our files (downloads 3 GB, needs 6); WORK=folder
 	$(BIN)/python benches/verify_formats.py $(if $(WORK),--work $(WORK))
