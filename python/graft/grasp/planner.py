@@ -12,7 +12,7 @@ from graft.contact import TransferredContact
 from graft.errors import InputError
 from graft.grasp.collision import box_arrays
 from graft.grasp.grasps import GraspSet
-from graft.grasp.gripper import PANDA_HAND, Gripper
+from graft.grasp.gripper import OPENING_CLEARANCE, PANDA_HAND, Gripper
 from graft.grasp.metric import Support, in_metres
 from graft.grasp.scoring import ScoreWeights
 from graft.grasp.surface import Surface, surface_of, with_surfels
@@ -90,7 +90,7 @@ class AntipodalPlanner:
     approaches: int = 12
     depths: tuple[float, ...] = (-0.006, 0.0, 0.006)
     friction: float = 0.5
-    clearance: float = 0.005
+    clearance: float = OPENING_CLEARANCE
     margin: float = 0.001
     travel: float = 0.08
     spacing: float = 0.01
