@@ -24,7 +24,7 @@ from graft.objects import Contact, Demonstration
 from graft.sim import PreparedObject, SimulationConfig, prepare
 from graft.trajectory import DEMONSTRATED, Segment, Trajectory
 
-THOROUGH = AntipodalPlanner(samples=400, pairs=300)
+THOROUGH = AntipodalPlanner(samples=400, pairs=300, wider=())
 """What plans grasps: the default's 48 pairs are chosen before the table is looked at, and of what lies on it nearly all
 pairs run from the table upwards."""
 
