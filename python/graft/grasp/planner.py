@@ -63,8 +63,8 @@ class AntipodalPlanner:
     object and the support.
 
     Attributes:
-        radius: Around the contact, metres: pads press within it. A hand's breadth: at 15 N the place on a handle decides
-            whether it holds, and of the YCB scans 19 of 22 trials held, 15 within 3 cm.
+        radius: Around the contact, metres: pads press within it. A hand's breadth: at 15 N the place on a handle
+            decides whether it holds; of the YCB scans 19 of 22 trials held, 15 within 3 cm.
         wider: Times the radius within which is looked next where nothing was found: a part lies flat on the table, or a
             loop is too narrow, just where it was asked for, and can be held a hand's breadth further.
         samples: Places on the surface, with a contact.
