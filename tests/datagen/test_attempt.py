@@ -12,11 +12,11 @@ pytest.importorskip("mujoco")
 from graft.datagen.attempt import Target, derived_seed, draw_scene, run_attempt
 from graft.datagen.config import GenerationConfig, Randomisation, vanilla
 from graft.datagen.judge import AttemptOutcome
-from graft.datagen.rotations import inverse
 from graft.datagen.scripted import demonstrate
 from graft.datagen.selection import replayable
 from graft.errors import InputError
 from graft.grasp import PANDA_HAND, ROBOTIQ_2F85
+from graft.grasp.conventions import rigid_inverse
 from graft.library import Library
 from graft.marking import mark_contact
 from graft.objects import Part, PartObject
@@ -86,7 +86,9 @@ def test_vanilla_replays_relative_to_the_body(laid):
     episode = made.episode
     assert [s.name for s in episode.trajectory.segments] == ["reach", "grasp", "lift", "hold"]
     step = int(np.flatnonzero(episode.trajectory.gripper > 0)[0])
-    relative = inverse(episode.trajectory.T_world_object[DEMONSTRATED][step]) @ episode.trajectory.T_world_target[step]
+    relative = (
+        rigid_inverse(episode.trajectory.T_world_object[DEMONSTRATED][step]) @ episode.trajectory.T_world_target[step]
+    )
     np.testing.assert_allclose(relative, source.grasp, atol=3e-3)
 
 

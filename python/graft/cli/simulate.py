@@ -117,8 +117,10 @@ def _jobs(prepared: PreparedObject, grasps: GraspSet, config: SimulationConfig) 
     """Return one job a grasp; one without a grasp when there is none."""
     if len(grasps):
         return [Job(f"{i}", prepared, grasp, config) for i, grasp in enumerate(grasps)]
-    why = max(grasps.rejected.items(), key=lambda item: item[1], default=None)
-    reason = "the planner gave no grasp" if why is None else f"no grasp: {why[1]} candidates rejected for {why[0]}"
+    why = grasps.chief_rejection
+    reason = "the planner gave no grasp"
+    if why is not None:
+        reason = f"no grasp: {grasps.rejected[why]} candidates rejected for {why}"
     return [Job("0", prepared, None, config, reason=reason)]
 
 

@@ -11,9 +11,9 @@ from graft.datagen.config import GenerationConfig
 from graft.datagen.judge import AttemptOutcome
 from graft.datagen.retarget import Source, retargeted
 from graft.datagen.rollout import grip_for
-from graft.datagen.rotations import inverse
 from graft.datagen.scripted import THOROUGH, sampled
 from graft.grasp import Gripper, plan_grasps
+from graft.grasp.conventions import rigid_inverse
 from graft.motion import plan_approach, plan_motion
 from graft.objects import Contact
 from graft.sim import PreparedObject
@@ -68,7 +68,7 @@ def plan_reach(
     if config.reach == "linear":
         return Plan()
     goal = retargeted(source.targets(source.reach)[:1], source.object_pose(source.reach), placed)[0]
-    back = inverse(placed)
+    back = rigid_inverse(placed)
     motion = plan_motion(
         prepared.object, back @ start, back @ goal, gripper,
         support=prepared.support, config=replace(config.motion, seed=seed % SEEDS),
@@ -100,13 +100,13 @@ def _to_grasp(
             part=part, support=prepared.support, planner=THOROUGH, k=config.grasps, seed=seed % SEEDS,
         )  # fmt: skip
         if not len(grasps):
-            why = max(grasps.rejected, key=lambda name: grasps.rejected[name], default=why)
+            why = grasps.chief_rejection or why
             continue
         if config.reach == "linear":
             return Plan(grasp=grasps[0].pose)
         for grasp in grasps:
             approach = plan_approach(
-                prepared.object, grasp, inverse(placed) @ start,
+                prepared.object, grasp, rigid_inverse(placed) @ start,
                 support=prepared.support, config=replace(config.motion, seed=seed % SEEDS),
             )  # fmt: skip
             if approach.found:

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graft.checks import Floats
-from graft.datagen.rotations import inverse
 from graft.errors import InputError
+from graft.grasp.conventions import rigid_inverse
 from graft.objects import Demonstration, PartObject
 from graft.trajectory import CLOSE, DEMONSTRATED, OPEN, Segment, Trajectory
 
@@ -39,7 +39,7 @@ LEVEL = 1e-3
 
 def retargeted(targets: Floats, T_frame_source: Floats, T_frame_new: Floats) -> Floats:
     """Return (t, 4, 4) targets moved from a source's frame (4, 4) to the new one (4, 4)."""
-    moved: Floats = T_frame_new @ inverse(T_frame_source) @ targets
+    moved: Floats = T_frame_new @ rigid_inverse(T_frame_source) @ targets
     return moved
 
 
@@ -49,8 +49,8 @@ def carried(targets: Floats, T_upright_source: Floats, T_upright_new: Floats, T_
     With C = T_upright_new inv(T_upright_source), the displacement D(t) = T_source(t) inv(T_source(0)) becomes
     C D inv(C).
     """
-    change = T_upright_new @ inverse(T_upright_source)
-    moved: Floats = change @ targets @ inverse(targets[0]) @ inverse(change) @ T_start_new
+    change = T_upright_new @ rigid_inverse(T_upright_source)
+    moved: Floats = change @ targets @ rigid_inverse(targets[0]) @ rigid_inverse(change) @ T_start_new
     return moved
 
 
@@ -149,7 +149,7 @@ def source_of(demonstration: Demonstration) -> Source:
     grasp = demonstration.grasp
     if grasp is None:
         reached = trajectory.T_world_target if trajectory.T_world_gripper is None else trajectory.T_world_gripper
-        grasp = inverse(trajectory.T_world_object[DEMONSTRATED][step]) @ reached[step]
+        grasp = rigid_inverse(trajectory.T_world_object[DEMONSTRATED][step]) @ reached[step]
     trajectory = _with_reach(trajectory, step)
     index = next(i for i, s in enumerate(trajectory.segments) if s.start <= step < s.end)
     obj = demonstration.object

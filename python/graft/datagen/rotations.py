@@ -36,14 +36,6 @@ def rotation_about(vector: Floats) -> Floats:
     return rotation
 
 
-def inverse(pose: Floats) -> Floats:
-    """Return the inverse of a rigid motion (4, 4)."""
-    result = np.eye(4)
-    result[:3, :3] = pose[:3, :3].T
-    result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return result
-
-
 def interpolated(begin: Floats, end: Floats, steps: int) -> Floats:
     """Return (steps, 4, 4) poses that go evenly from `begin` (excluded) to `end` (included)."""
     turn = rotation_vector(end[:3, :3] @ begin[:3, :3].T)

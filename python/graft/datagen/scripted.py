@@ -12,11 +12,11 @@ from graft.datagen.config import CONTROL_RATE, REACH, Task, checked_force
 from graft.datagen.judge import AttemptOutcome, Bounds, Judge
 from graft.datagen.retarget import LEVEL, spout_of
 from graft.datagen.rollout import Diverged, Rollout, grip_for
-from graft.datagen.rotations import inverse
 from graft.datagen.scene import episode_scene
 from graft.datagen.script import LIFT, TILT, closing_actions, script
 from graft.errors import InputError
 from graft.grasp import PANDA_HAND, Grasp, Gripper, metric_scale, plan_grasps
+from graft.grasp.conventions import rigid_inverse
 from graft.grasp.planner import AntipodalPlanner
 from graft.marking import mark_contact
 from graft.motion import Motion, plan_approach
@@ -25,8 +25,8 @@ from graft.sim import PreparedObject, SimulationConfig, prepare
 from graft.trajectory import DEMONSTRATED, Segment, Trajectory
 
 THOROUGH = AntipodalPlanner(samples=400, pairs=300, wider=())
-"""What plans grasps: the default's 48 pairs are chosen before the table is looked at, and of what lies on it nearly all
-pairs run from the table upwards."""
+"""What plans grasps: of what lies on the table few pairs can be reached, so more are tried than by default. It looks no
+wider by itself: where nothing near a contact holds, the contact moves, and that is decided here."""
 
 TRIED = 20
 """Grasps that are tried, best first, until one holds."""
@@ -95,7 +95,7 @@ def demonstrate(
                 return _shown(shown, contact, grasp, trajectory, {"task": task, "made_by": "script", "seed": seed})
         tried += len(grasps)
         if not tried:
-            reason = max(grasps.rejected, key=lambda name: grasps.rejected[name], default="no candidate")
+            reason = grasps.chief_rejection or "no candidate"
     part = shown.object.parts[shown.contact.part].name
     if not tried:
         raise InputError(f"{where}: gripper {gripper.name!r} cannot hold its part {part!r} as it stands ({reason})")
@@ -125,7 +125,7 @@ def _executed(
     placed, start = prepared.T_world_object, start_pose(prepared)
     config = replace(REACH, seed=seed)
     plan = plan_approach(
-        prepared.object, grasp, inverse(placed) @ start, support=prepared.support, config=config,
+        prepared.object, grasp, rigid_inverse(placed) @ start, support=prepared.support, config=config,
     )  # fmt: skip
     if not plan.found:
         return None, plan.reason

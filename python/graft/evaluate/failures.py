@@ -41,10 +41,11 @@ def draw_failures(
         failed[i] for i in np.unique(np.linspace(0, len(failed) - 1, min(DRAWN, len(failed))).round().astype(int))
     ]
     subjects = {subject.key: subject for subject in benchmark.subjects}
+    tables = {key: Table.lay(subjects[key], arena) for key in dict.fromkeys(row.query for row in chosen)}
     cards = []
     for count, row in enumerate(chosen):
         progress("drawing", count, len(chosen))
-        cards.append(_card(Table.lay(subjects[row.query], arena), benchmark.posing.seed, arena, row))
+        cards.append(_card(tables[row.query], benchmark.posing.seed, arena, row))
     if len(failed) > len(chosen):
         text += f"\n{len(chosen)} of {len(failed)} failures are drawn, evenly spread\n"
     save_cards(path, f"graft: {len(failed)} failures", text, cards)

@@ -109,14 +109,13 @@ class _Job:
         rows = []
         for method, predictor in zip(self.methods, self.predictors, strict=True):
             chosen: Prediction | None = None
+            settings = {"": self.arena.config} | (dict(self.arena.settings) if method.name == Graft().name else {})
             for turn, pose in enumerate(poses):
                 rng = stream(seed, method.name, query.key, turn)
                 # Methods that draw give every pose a contact of its own, the others give all of them the same.
                 if turn == 0 or method.exchangeable:
                     chosen = next(iter(predictor.predict(query, 1, rng)), None)
                 grasps = table.plan(chosen, int(rng.integers(2**31)))
-                settings = {"": self.arena.config}
-                settings |= self.arena.settings if method.name == Graft().name else {}
                 for setting, config in settings.items():
                     trial = table.execute(grasps, config, pose)
                     source = None if chosen is None or chosen.source is None else self.benchmark.sources[chosen.source]
@@ -184,7 +183,7 @@ class Table:
         """Try the best grasp with the object at `pose` (4, 4)."""
         if len(grasps):
             return simulate_grasp(self.prepared, grasps[0], config, pose=pose)
-        reason = max(grasps.rejected, key=lambda name: grasps.rejected[name], default="no candidate")
+        reason = grasps.chief_rejection or "no candidate"
         return Trial.no_grasp(self.prepared.object.name, reason, config)
 
     def told(self, chosen: Prediction | None, trial: Trial) -> dict[str, Any]:

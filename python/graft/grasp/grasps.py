@@ -122,6 +122,11 @@ class GraspSet:
             {k: v for k, v in first.metadata.items() if all(s.metadata.get(k) == v for s in sets)},
         )
 
+    @property
+    def chief_rejection(self) -> str | None:
+        """The reason that most candidates fell for, of equal ones the first; None where none fell."""
+        return max(self.rejected, key=lambda reason: self.rejected[reason], default=None)
+
     def __len__(self) -> int:
         return len(self.poses)
 

@@ -147,9 +147,14 @@ class Gripper:
         """How far the TCP lies beyond the flange along the approach, metres."""
         return float(self.flange[:3, 2] @ self.flange[:3, 3])
 
-    def opening_for(self, width: float) -> float:
-        """Return how far the pads are apart while the hand comes in to close to `width`, metres."""
-        return min(width + 2.0 * OPENING_CLEARANCE, self.stroke)
+    def opening_for(self, width: float, clearance: float = OPENING_CLEARANCE) -> float:
+        """Return how far the pads are apart while the hand comes in to close to `width`, metres.
+
+        Args:
+            width: Between the pads when they touch, metres.
+            clearance: Room on either side, metres.
+        """
+        return min(width + 2.0 * clearance, self.stroke)
 
     def boxes(self, opening: float) -> tuple[Box, ...]:
         """Return palm, finger at +y, finger at -y in the gripper frame, `opening` metres between the pads."""

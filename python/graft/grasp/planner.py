@@ -117,7 +117,7 @@ class AntipodalPlanner:
 
     def opening(self, width: float, gripper: Gripper) -> float:
         """Return how far the pads are apart, metres, while the hand comes in to close to `width`."""
-        return min(width + 2.0 * self.clearance, gripper.stroke)
+        return gripper.opening_for(width, self.clearance)
 
     def plan(
         self,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from graft.grasp import Gripper
+from graft.grasp.conventions import rigid_inverse
 from graft.objects import Floats, PartObject
 from graft.sim.config import SimulationConfig
 from graft.sim.engine import load_mujoco
@@ -98,11 +99,7 @@ class CompiledScene:
 
     def object_in_hand(self) -> Floats:
         """(4, 4) T_gripper_object."""
-        hand = self.hand_pose()
-        inverse = np.eye(4)
-        inverse[:3, :3] = hand[:3, :3].T
-        inverse[:3, 3] = -hand[:3, :3].T @ hand[:3, 3]
-        pose: Floats = inverse @ self.object_pose()
+        pose: Floats = rigid_inverse(self.hand_pose()) @ self.object_pose()
         return pose
 
     def grasp_point_on_object(self) -> Floats:
